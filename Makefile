@@ -1,0 +1,58 @@
+# Stokes. `make demo` and `make test` do everything; `make help` lists the rest.
+VARIANT ?= release
+BUILD    = build/$(VARIANT)
+PYTHON  ?= python3
+
+# -ffp-contract=off: the same arithmetic from every compiler, so that images keep their bits.
+FLAGS.release  = -O2 -g -fno-math-errno -fno-trapping-math -ffp-contract=off
+FLAGS.asan     = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
+FLAGS.tsan     = -O1 -g -fsanitize=thread
+FLAGS.coverage = -O0 -g --coverage
+PACKAGES = OpenEXR jansson libpng
+OCIO     = build/deps/ocio
+COMMON   = -Wall -Wextra -Werror -fPIC -fvisibility=hidden -MMD -MP -Icsrc/include -Icsrc -D_GNU_SOURCE \
+           $(filter-out -std=%,$(shell pkg-config --cflags $(PACKAGES) 2>/dev/null)) $(FLAGS.$(VARIANT))
+CFLAGS   = -std=c17 $(COMMON)
+CXXFLAGS = -std=c++17 $(COMMON) -isystem $(OCIO)/include
+LIBS     = $(shell pkg-config --libs $(PACKAGES) 2>/dev/null) -lOpenEXRCore -lembree3 \
+           $(OCIO)/lib/libOpenColorIO.so -Wl,-rpath,'$$ORIGIN/deps/ocio/lib:$$ORIGIN/../deps/ocio/lib' -lstdc++ -lpthread -lm
+
+SOURCES   = $(filter-out csrc/cli/%,$(wildcard csrc/*/*.c csrc/*/*.cpp csrc/*/*/*.c))
+OBJECTS   = $(patsubst %,$(BUILD)/%.o,$(basename $(SOURCES)))
+CLI       = $(patsubst %.c,$(BUILD)/%.o,$(wildcard csrc/cli/*.c))
+TESTS     = $(patsubst tests/core/test_%.c,$(BUILD)/tests/test_%,$(wildcard tests/core/test_*.c))
+TEST_AIDS = $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/core/test_%,$(wildcard tests/core/*.c)))
+
+.PHONY: all demo test test-long help deps core check-core clean fuzz
+.SECONDARY:
+all: core
+
+help:
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/ —/'
+
+deps: build/deps/.done ## install what is missing (Debian packages, OpenColorIO)
+build/deps/.done: .ci/dependencies
+	bash .ci/dependencies build/deps
+	@touch $@
+
+core: deps ## build build/stokes and build/libstokes.so
+	@$(MAKE) --no-print-directory build/$(if $(filter release,$(VARIANT)),,$(VARIANT)/)stokes
+
+build/stokes build/$(VARIANT)/stokes: $(CLI) $(BUILD)/libstokes.a
+	$(CC) $(FLAGS.$(VARIANT)) -o $@ $^ $(LIBS)
+$(BUILD)/libstokes.a: $(OBJECTS)
+	@rm -f $@
+	@$(AR) rcs $@ $^
+$(BUILD)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) -c $< -o $@
+$(BUILD)/%.o: %.cpp
+	@mkdir -p $(@D)
+	$(CXX) $(CXXFLAGS) -c $< -o $@
+$(BUILD)/tests/test_%: $(BUILD)/tests/core/test_%.o $(TEST_AIDS) $(BUILD)/libstokes.a
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS.$(VARIANT)) -o $@ $^ -lcmocka $(LIBS)
+-include $(OBJECTS:.o=.d) $(CLI:.o=.d) $(TESTS:$(BUILD)/tests/%=$(BUILD)/tests/core/%.d)
+
+clean: ## remove everything built
+	rm -rf build

@@ -1,0 +1,66 @@
+/* The film: XYZ, alpha and optional spectral bins per pixel, in 64-bit fixed point, so that sums are the same bits whatever the
+   order of threads and merges. One unit is 2^-FILM_FRACTION_BITS; a sum that would pass ±2^62 stays there and is counted. */
+#ifndef FILM_FILM_H
+#define FILM_FILM_H
+
+#include <stdint.h>
+
+#include "color/color.h"
+#include "image/texture.h"
+#include "spectrum/spectrum.h"
+#include "stokes.h"
+
+#define FILM_FRACTION_BITS 28
+
+struct film {
+    int width, height; /* the border's rectangle */
+    int x0, y0;        /* its lower left corner in the full frame */
+    int full_width, full_height;
+    int bins; /* spectral bins, 0: none */
+    struct range bin_range;
+    int channels;      /* 4 + bins: X, Y, Z, alpha, bins */
+    int64_t *sum;      /* channels per pixel, first row at the bottom */
+    int first_sample, end_sample; /* samples that are in, [first, end) */
+    uint64_t saturated, rejected; /* sums at the limit; contributions that were not finite */
+};
+
+/* Yours: film_destroy. NULL with *err: too large, or no memory. */
+struct film *film_create(int full_width, int full_height, const int border[4], int bins, struct range bin_range,
+                         stokes_error *err);
+void film_destroy(struct film *);
+void film_clear(struct film *);
+
+/* What one camera sample gathers before it is added in one go (rounding once). bins are radiance per bin, W·m⁻²·sr⁻¹. */
+struct film_sample {
+    double xyz[3], alpha;
+    double *bin; /* film->bins of them; NULL without */
+};
+/* Adds spectral energy `value` (∫ over its own pdf already divided) at a wavelength: κ·value·cmf(λ) and the bin. */
+void film_sample_add(const struct film *, struct film_sample *, double value, float lambda_nm, double kappa);
+void film_sample_clear(const struct film *, struct film_sample *);
+
+/* x, y in the full frame; outside the border nothing happens. Both are atomic and commute. */
+void film_add(struct film *, int x, int y, const struct film_sample *);
+void film_splat(struct film *, int x, int y, double value, float lambda_nm, double kappa);
+
+/* RGBA f32 in the working space, bottom row first, divided by the number of samples. */
+void film_resolve(const struct film *, const struct working_space *, int samples, float *rgba);
+
+/* What the header says of how a film was made. Text pairs, written into the EXR. */
+struct film_note {
+    const char *key, *value;
+};
+/* An EXR: R, G, B, A (f32), spectral bins in the layout of Fichet et al. 2021, and the sums themselves, for merging. */
+bool film_write_exr(const struct film *, const struct working_space *, const struct film_note *, size_t notes,
+                    const char *path, stokes_error *err);
+/* Reads the sums back. Yours: film_destroy. */
+struct film *film_read_exr(const char *path, char *fingerprint, size_t fingerprint_size, stokes_error *err);
+/* Adds b's sums to a. Ranges must touch without overlapping. */
+bool film_merge(struct film *a, const struct film *b, stokes_error *err);
+/* An 8-bit PNG of display-referred pixels in [0,1], RGBA, bottom row first. */
+bool film_write_png(int width, int height, const float *rgba, const char *path, stokes_error *err);
+
+/* Blackman–Harris of a total width in pixels: an offset in pixels drawn from it. */
+float film_filter_sample(float width, float u);
+
+#endif

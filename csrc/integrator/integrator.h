@@ -1,0 +1,47 @@
+/* The integrators: one family over the same path code (path.h, connect.h, mis.h), chosen by name (kinds.c). */
+#ifndef INTEGRATOR_INTEGRATOR_H
+#define INTEGRATOR_INTEGRATOR_H
+
+#include "film/film.h"
+#include "scene/scene.h"
+
+enum mollifier { MOLLIFIER_CONSTANT };
+
+#define TECHNIQUES_MAX 34
+
+/* Unit and range beside each; defaults in integrator_settings_default, and in STREAM.md. */
+struct integrator_settings {
+    const char *name;
+    uint32_t seed;
+    double d0_nm, shrink;    /* d_n = d0 n^(−shrink) */
+    enum mollifier kernel;
+    enum side mollify_side;
+    int max_path, max_camera, max_light; /* edges */
+    int max_diffuse, max_glossy, max_transmission, max_transparent;
+    int roulette_start;
+    float lambda_min, lambda_max;
+    float filter_width; /* pixels */
+    bool film_transparent;
+    bool all_techniques; /* else only those with technique[s][t] */
+    bool technique[TECHNIQUES_MAX][TECHNIQUES_MAX];
+    int spectral_bins;
+    float bins_min, bins_max;
+};
+struct integrator_settings integrator_settings_default(void);
+
+struct integrator; /* what is precomputed for one scene: wavelength densities, product tables */
+
+/* Borrowed: scene, film; both must outlive it. NULL with *err: unknown name. Names through `warn` the lights that it cannot see. */
+struct integrator *integrator_create(const struct integrator_settings *, const struct scene *, struct film *, int threads,
+                                     void (*warn)(void *user, const stokes_error *), void *user, stokes_error *err);
+void integrator_destroy(struct integrator *);
+const char *integrator_name_at(size_t index); /* NULL past the end */
+
+/* Traces global sample `sample` (from 0; n = sample + 1) of pixel (x, y) of the full frame and adds it to the film. A pixel outside
+   the border traces only what may splat into it. Thread-safe for different workers. */
+void integrator_sample(struct integrator *, int worker, int x, int y, int sample);
+
+/* False if pixels outside the border can contribute nothing. */
+bool integrator_splats(const struct integrator *);
+
+#endif

@@ -1,0 +1,129 @@
+/* Materials: a closure tree as the stream sends it, compiled into lobes; at a hit the lobes become a `surface`, which
+   evaluates, samples and gives densities in both transport directions, at any wavelength, as often as asked.
+
+   Measures (exact.md §1): directions have densities per *projected* solid angle about the geometric normal ng, and values
+   carry the shading-normal factor |to_light·ns|/|to_light·ng|, so a path's value is ∏ρ·∏G with geometric cosines and
+   both directions of transport agree (Veach 1997, §5.3). `to_light` points toward the light's side of the path, `to_camera`
+   toward the camera's, both away from the surface.
+
+   Labels: every vertex of a path is ELASTIC (all lobes of finite density that keep the wavelength, summed),
+   FLUORESCENT (one such lobe) or SPECULAR (one δ lobe). Densities include the label's probability. */
+#ifndef MATERIAL_MATERIAL_H
+#define MATERIAL_MATERIAL_H
+
+#include "base/vec.h"
+#include "image/texture.h"
+#include "spectrum/spectrum.h"
+
+enum label { LABEL_ELASTIC, LABEL_FLUORESCENT, LABEL_SPECULAR };
+
+/* Which end of the path the sub-path comes from. From the camera, wavelengths are drawn λo → λi. */
+enum side { SIDE_LIGHT, SIDE_CAMERA };
+
+#define SURFACE_LOBES 8
+
+/* P_F is at most this wherever there is an elastic part (algorithm.md §4, exact.md §4.1). */
+#define FLUORESCENT_CHANCE_MAX 0.8f
+
+/* A colour at a surface: a spectrum, or RGB-upsampled coefficients, times a scale. */
+struct spectral_value {
+    const struct spectrum *spectrum; /* NULL: the curve */
+    struct rgb_curve curve;
+    float scale;
+};
+
+/* Where a ray met a surface, as the scene says it. */
+struct hit {
+    struct vec3 position;
+    struct vec3 ng; /* unit, by the triangle's winding (not turned toward the ray) */
+    struct vec3 ns; /* unit, interpolated; ng where the face is flat */
+    struct vec3 tangent; /* ∂p/∂u of the default UV layer, unit; zero where there is none */
+    struct vec3 generated, object; /* texture coordinates */
+    float error; /* a bound of the position's rounding error, metres */
+    float uv[2];
+    float bary_u, bary_v;
+    uint32_t instance, primitive;
+    const void *mesh; /* struct mesh, for further UV layers */
+    int light; /* index of the emitter that this surface is, or −1 */
+};
+
+struct material; /* compiled; immutable; shared by threads */
+
+/* A lobe at a hit: kinds and parameters are the room's own (lobe.h). */
+struct lobe {
+    const struct bsdf_kind *kind;
+    float weight; /* product of the mix factors */
+    struct spectral_value color[3];
+    float parameter[6];
+    const void *data; /* borrowed from the material */
+    struct frame frame; /* about the shading normal, turned to the side of ng */
+};
+
+struct surface {
+    struct vec3 ng;
+    struct lobe lobe[SURFACE_LOBES];
+    uint8_t lobe_count, fluorescent_count, specular_count;
+    bool has_elastic; /* any lobe of finite density that is not fluorescent */
+    bool connects; /* has a lobe of finite density at all */
+    uint8_t fluorescent[SURFACE_LOBES], specular[SURFACE_LOBES]; /* indices of those lobes */
+    enum uv_rule uv_rule;
+    const struct material *material;
+};
+
+/* Evaluates textures, mix factors and normals. `viewing` points back along the ray that found the hit. */
+void material_shade(const struct material *, const struct hit *, struct vec3 viewing, struct surface *);
+
+/* Value ρ of all elastic lobes of finite density, sr⁻¹. */
+float surface_elastic(const struct surface *, struct vec3 to_light, struct vec3 to_camera, float lambda);
+/* Value of fluorescent lobe f (an index in 0 … fluorescent_count − 1), sr⁻¹ nm⁻¹: c ã(λi) e(λo)/π for JHD18. */
+float surface_fluorescent(const struct surface *, int f, struct vec3 to_light, struct vec3 to_camera, float lambda_in,
+                          float lambda_out);
+
+/* Density with which a sub-path from `side` that came in from direction `arriving` with wavelength lambda goes on by label
+   ELASTIC to `leaving`: label probability × density per projected solid angle. */
+float surface_pdf_elastic(const struct surface *, enum side, struct vec3 arriving, struct vec3 leaving, float lambda);
+/* The same by fluorescent lobe f, times the density of the new wavelength (nm⁻¹). */
+float surface_pdf_fluorescent(const struct surface *, enum side, int f, struct vec3 arriving, struct vec3 leaving,
+                              float lambda_arriving, float lambda_leaving);
+/* The density of the label ELASTIC for an E–E vertex under the constant kernel, divided by k (algorithm.md §6): from the camera
+   (1−P_F(λc))·g(λl)·2d/∫g × the direction's density; tends to surface_pdf_elastic as d → 0. */
+float surface_pdf_mollified(const struct surface *, enum side, struct vec3 arriving, struct vec3 leaving,
+                            float lambda_arriving, float lambda_leaving, float half_width_nm);
+
+struct scatter {
+    enum label label;
+    int lobe; /* index f for FLUORESCENT, into specular[] for SPECULAR */
+    struct vec3 direction;
+    float lambda;    /* of the next edge */
+    float value;     /* ρ; for SPECULAR the coefficient T or R, without the δ, with n² where refraction scales radiance */
+    float pdf;       /* of this draw: label × wavelength × direction; for SPECULAR without the δ */
+    float pdf_other; /* with which the other side's sub-path would have gone the other way */
+    bool refracts;   /* passed through the surface with a change of index */
+    bool disperses;  /* the direction depends on the wavelength */
+    int depth_class; /* enum scatter_class: which of Cycles' bounce limits counts it */
+};
+enum scatter_class { SCATTER_DIFFUSE, SCATTER_GLOSSY, SCATTER_TRANSMISSION, SCATTER_TRANSPARENT };
+
+/* Draws label, wavelength and direction from four uniform numbers. False: absorbed, or a wavelength outside Λ. */
+bool surface_sample(const struct surface *, enum side, struct vec3 arriving, float lambda, const float u[4],
+                    struct scatter *);
+
+/* The emission and absorption shapes of fluorescent lobe f, for tables over pairs (exact.md, O_YX); borrowed. */
+const struct spectrum *surface_fluorescent_emission(const struct surface *, int f);
+const struct spectrum *surface_fluorescent_absorption(const struct surface *, int f); /* ã, without c */
+/* Index of lobe f's (emission, ã) pair among all of the scene's, given by material_set_fluorophores; −1 before. */
+int surface_fluorophore(const struct surface *, int f);
+
+/* Opacity of everything but straight δ transmission without change of wavelength, for shadow rays through `transparent`
+   lobes: 1 − that transmission at a wavelength; 1 for materials without such lobes. */
+float material_transmittance(const struct material *, const struct hit *, struct vec3 viewing, float lambda);
+bool material_may_be_transparent(const struct material *);
+
+/* Emitted spectral radiance into the hemisphere of `out` (zero on the back of one-sided emission). */
+float material_emission(const struct material *, const struct hit *, struct vec3 out, float lambda);
+bool material_emits(const struct material *);
+/* For choosing lights and wavelengths: the untextured mean spectrum of the emission (radiance per nm), or NULL. Borrowed. */
+const struct spectrum *material_emission_shape(const struct material *);
+bool material_emits_on_both_sides(const struct material *);
+
+#endif

@@ -1,0 +1,108 @@
+/* The scene that integrators see: rays against meshes and lamps, lights, camera. Immutable once scene_commit has run. */
+#ifndef SCENE_SCENE_H
+#define SCENE_SCENE_H
+
+#include "material/material.h"
+
+struct scene;
+
+/* --- Rays ------------------------------------------------------------------------------------------------ */
+
+enum ray_kind { RAY_CAMERA = 1, RAY_DIFFUSE = 2, RAY_GLOSSY = 4, RAY_TRANSMISSION = 8, RAY_SHADOW = 16 };
+
+struct ray {
+    struct vec3 origin, direction; /* unit */
+    float near, far;
+    uint32_t kind; /* enum ray_kind: which visibility flags count */
+};
+
+/* Nearest surface; false if none. Lamps (`light` messages) are not surfaces: they neither block nor reflect. */
+bool scene_intersect(const struct scene *, const struct ray *, struct hit *, const struct material **);
+
+/* Transmittance at a wavelength of the open segment between two points that were offset from their surfaces: 0 if blocked, the
+   product over `transparent` materials otherwise. */
+float scene_visibility(const struct scene *, struct vec3 from, struct vec3 to, float lambda);
+/* The same to infinity along a unit direction. */
+float scene_visibility_distant(const struct scene *, struct vec3 from, struct vec3 direction, float lambda);
+
+/* A ray's origin moved off the surface, to the side that `direction` leaves to. */
+struct vec3 scene_offset(const struct hit *, struct vec3 direction);
+
+/* Radius and centre of a sphere about all geometry (and the camera). */
+void scene_bounds(const struct scene *, struct vec3 *center, float *radius);
+
+/* --- Lights ---------------------------------------------------------------------------------------------- */
+/* Mesh emitters, lamps and the world are one list. A light vertex is a point on it (or, for sun and world, a direction). */
+
+struct light_point {
+    int light;
+    struct vec3 position;
+    struct vec3 normal;   /* of an emitting surface; for distant lights the direction *from the scene to the light* */
+    struct hit hit;       /* of a mesh emitter, for textures */
+    float uv[2];
+    bool distant;         /* position is meaningless; pdf_point is per solid angle of `normal` */
+    bool delta;           /* a point or a single direction: no ray can hit it */
+    bool has_normal;      /* false for points: their directions have densities per solid angle, and no cosine in G */
+};
+
+int scene_light_count(const struct scene *);
+const char *scene_light_name(const struct scene *, int light);
+/* True if no camera sub-path can hit it (`pt` names such lights). */
+bool scene_light_is_delta(const struct scene *, int light);
+
+/* Draws a light by power and a point on it; u: light, point, point. pdf: the choice × density per area (per solid angle if
+   distant; 1 × choice for δ). False if the scene has no light. */
+bool scene_sample_light(const struct scene *, const float u[3], struct light_point *, float *pdf);
+float scene_pdf_light(const struct scene *, const struct light_point *);
+
+/* Wavelength of the first edge of a light path: the light's own spectrum. */
+float scene_sample_light_lambda(const struct scene *, const struct light_point *, float u, float *pdf);
+float scene_pdf_light_lambda(const struct scene *, const struct light_point *, float lambda);
+/* The spectrum that those draw from (not normalised); borrowed. */
+const struct spectrum *scene_light_spectrum(const struct scene *, int light);
+
+/* Draws the first ray of a light path. pdf: per projected solid angle about the light point's normal (per solid angle where it has none);
+   for distant lights the density per area perpendicular to the direction, and *origin is on a disk outside of the scene. */
+bool scene_sample_light_direction(const struct scene *, const struct light_point *, const float u[2], struct vec3 *origin,
+                                  struct vec3 *direction, float *pdf);
+float scene_pdf_light_direction(const struct scene *, const struct light_point *, struct vec3 direction);
+
+/* Spectral radiance (intensity for points without area; irradiance perpendicular for δ suns) that leaves the light point along a direction. */
+float scene_light_emission(const struct scene *, const struct light_point *, struct vec3 direction, float lambda);
+
+/* Lamps that the open segment passes, nearest first, at most `most`; ray->far bounds it. */
+int scene_lamps_along(const struct scene *, const struct ray *, struct light_point *, int most);
+/* What the ray sees at infinity: the world and suns of finite angle; at most `most`. */
+int scene_distant_along(const struct scene *, const struct ray *, struct light_point *, int most);
+/* The light point of a mesh emitter that was hit (hit->light ≥ 0). */
+void scene_light_point_at(const struct scene *, const struct hit *, struct light_point *);
+
+/* Power-weighted spectrum of all lights, for p_cam (algorithm.md §1); borrowed; NULL without lights. */
+const struct spectrum *scene_lamp_spectrum(const struct scene *);
+
+/* --- Camera ---------------------------------------------------------------------------------------------- */
+
+struct camera_point {
+    struct vec3 position; /* on the lens, or on the near plane of an orthographic camera */
+    struct vec3 axis;     /* viewing direction of the camera */
+};
+
+/* A ray through film point (x, y), in pixels of the full frame from its lower left corner; u: on the lens. The density of
+   directions per projected solid angle about the axis, for points uniform over the whole frame; for an orthographic camera see
+   scene_camera_is_orthographic. */
+struct ray scene_camera_ray(const struct scene *, float x, float y, const float u[2], struct camera_point *, float *pdf);
+/* A point on the lens for a connection from `from`; where it falls on the film, and the density with which scene_camera_ray
+   would make that direction. False outside the frame or the clip range. */
+bool scene_camera_connect(const struct scene *, struct vec3 from, const float u[2], struct camera_point *, float film[2],
+                          float *pdf);
+/* An orthographic camera is the dual of a distant light: its position on the film plane is what the pixel draws, its direction is
+   a δ. `pdf` is then per area perpendicular to the axis. */
+bool scene_camera_is_orthographic(const struct scene *);
+void scene_camera_size(const struct scene *, int full[2], int border[4]);
+
+/* --- Fluorophores, for the product tables ------------------------------------------------------------------ */
+int scene_fluorophore_count(const struct scene *);
+const struct spectrum *scene_fluorophore_emission(const struct scene *, int index);
+const struct spectrum *scene_fluorophore_absorption(const struct scene *, int index);
+
+#endif
