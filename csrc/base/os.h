@@ -28,6 +28,11 @@ bool os_readable(int fd, double seconds);
 /* Reads or writes all of it; false at the end of input or on an error. EINTR is retried. */
 bool os_read_all(int fd, void *data, size_t bytes);
 bool os_write_all(int fd, const void *data, size_t bytes);
+/* What has arrived, at most `bytes`, waiting for the first byte; 0 at the end or on an error. */
+size_t os_read_some(int fd, void *data, size_t bytes);
+
+/* The process that started this one; another number once that one has died. */
+long os_parent(void);
 
 /* Writes `path` whole or not at all: to a temporary name beside it, flushed, then renamed. */
 bool os_write_file(const char *path, const void *data, size_t bytes, stokes_error *err);

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Work on unit `index`, by worker `worker` in [0, threads). */
+/* Work on unit `index`, by worker `worker` in [0, threads); worker 0 is the thread that called thread_run. */
 typedef void (*thread_work)(void *context, size_t index, int worker);
 
 /* Calls work for every index in [0, count), each once, in any order; returns when all are done. `stop`, asked before each
