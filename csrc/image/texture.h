@@ -27,7 +27,7 @@ enum texture_projection { TEXTURE_UV, TEXTURE_GENERATED, TEXTURE_OBJECT, TEXTURE
 
 struct texture {
     const struct image *image; /* borrowed */
-    int uv_layer;              /* index into the mesh's layers; 0 is the default one */
+    int uv_layer;              /* index into hit_mesh.uv, set by scene_commit from uv_name; 0 is the default layer */
     char uv_name[64];
     struct transform transform;
     enum texture_interpolation interpolation;
@@ -36,7 +36,8 @@ struct texture {
     enum texture_projection projection;
 };
 
-/* Interpolated RGBA at texture coordinates, as Cycles looks it up: texel centres at half integers. */
+/* Interpolated RGBA at texture coordinates, to which the texture's transform is applied first, as Cycles looks it up: texel
+   centres at half integers. */
 void texture_lookup(const struct texture *, struct vec3 coordinates, float rgba[4]);
 /* The texture's channel of what was looked up. */
 float texture_channel_value(const struct texture *, const float rgba[4], const float luminance_weights[3]);
