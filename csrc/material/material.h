@@ -25,11 +25,13 @@ enum side { SIDE_LIGHT, SIDE_CAMERA };
 /* P_F is at most this wherever there is an elastic part (algorithm.md §4, exact.md §4.1). */
 #define FLUORESCENT_CHANCE_MAX 0.8f
 
-/* A colour at a surface: a spectrum, or RGB-upsampled coefficients, times a scale. */
+/* A colour at a surface: 1, a spectrum, or RGB-upsampled coefficients, times a scale. */
 struct spectral_value {
-    const struct spectrum *spectrum; /* NULL: the curve */
-    struct rgb_curve curve;
+    enum spectral_form { SPECTRAL_FLAT, SPECTRAL_TABLE, SPECTRAL_CURVE } form;
+    enum uv_rule uv_rule; /* of the curve */
     float scale;
+    struct rgb_curve curve;
+    const struct spectrum *spectrum; /* of the table; borrowed */
 };
 
 /* Where a ray met a surface, as the scene says it. */
@@ -38,6 +40,7 @@ struct hit {
     struct vec3 ng; /* unit, by the triangle's winding (not turned toward the ray) */
     struct vec3 ns; /* unit, interpolated; ng where the face is flat */
     struct vec3 tangent; /* ∂p/∂u of the default UV layer, unit; zero where there is none */
+    bool mirrored_uv;    /* (ns × tangent)·∂p/∂v < 0: the bitangent of normal maps is −ns × tangent */
     struct vec3 generated, object; /* texture coordinates */
     float error; /* a bound of the position's rounding error, metres */
     float uv[2];
@@ -50,10 +53,20 @@ struct hit {
 
 struct material; /* compiled; immutable; shared by threads */
 
+/* A mix factor that depends on the angle of view: a + b·φ(angle between the camera's direction and ns). It belongs to the
+   direction toward the camera, wherever the path came from, so that all techniques see one and the same surface. */
+struct view_factor {
+    enum view_function { VIEW_FRESNEL, VIEW_FACING, VIEW_BACKFACING } function;
+    float a, b, parameter;
+};
+#define LOBE_VIEW_FACTORS 2
+
 /* A lobe at a hit: kinds and parameters are the room's own (lobe.h). */
 struct lobe {
-    const struct bsdf_kind *kind;
-    float weight; /* product of the mix factors */
+    const struct lobe_kind *kind;
+    float weight; /* product of the mix factors that do not depend on the view */
+    uint32_t view_count;
+    struct view_factor view[LOBE_VIEW_FACTORS];
     struct spectral_value color[3];
     float parameter[6];
     const void *data; /* borrowed from the material */
@@ -61,13 +74,12 @@ struct lobe {
 };
 
 struct surface {
-    struct vec3 ng;
+    struct vec3 ng, ns; /* ns: interpolated, without normal maps, on the side of ng */
     struct lobe lobe[SURFACE_LOBES];
     uint8_t lobe_count, fluorescent_count, specular_count;
     bool has_elastic; /* any lobe of finite density that is not fluorescent */
     bool connects; /* has a lobe of finite density at all */
     uint8_t fluorescent[SURFACE_LOBES], specular[SURFACE_LOBES]; /* indices of those lobes */
-    enum uv_rule uv_rule;
     const struct material *material;
 };
 
@@ -115,8 +127,8 @@ const struct spectrum *surface_fluorescent_absorption(const struct surface *, in
 /* Index of lobe f's (emission, ã) pair among all of the scene's, given by material_set_fluorophores; −1 before. */
 int surface_fluorophore(const struct surface *, int f);
 
-/* Opacity of everything but straight δ transmission without change of wavelength, for shadow rays through `transparent`
-   lobes: 1 − that transmission at a wavelength; 1 for materials without such lobes. */
+/* `transparent` lobes are never part of a surface (material_shade leaves them out, and rescales nothing): path code and shadow rays
+   pass by this transmittance at a wavelength, the summed weight × colour of those lobes, clamped to [0,1]; 0 for materials without. */
 float material_transmittance(const struct material *, const struct hit *, struct vec3 viewing, float lambda);
 bool material_may_be_transparent(const struct material *);
 
