@@ -1,5 +1,9 @@
-/* The film: XYZ, alpha and optional spectral bins per pixel, in 64-bit fixed point, so that sums are the same bits whatever the
-   order of threads and merges. One unit is 2^-FILM_FRACTION_BITS; a sum that would pass ±2^62 stays there and is counted. */
+/* The film: XYZ, alpha and optional spectral bins per pixel, in 64-bit fixed point, so that sums are the same bits whatever
+   the order of threads and merges. One unit is 2^-FILM_FRACTION_BITS.
+
+   The overflow rule: what is added is never negative (a contribution that is negative or not finite is rejected and counted),
+   and a sum that would pass FILM_SUM_MAX stays there. min(Σ, FILM_SUM_MAX) of non-negative terms does not depend on their
+   order or grouping, so saturation is as deterministic as the sums; `saturated` counts the sums that stand at the limit. */
 #ifndef FILM_FILM_H
 #define FILM_FILM_H
 
@@ -11,6 +15,8 @@
 #include "stokes.h"
 
 #define FILM_FRACTION_BITS 28
+#define FILM_SUM_MAX ((int64_t)1 << 62)
+#define FILM_BINS_MAX 4096
 
 struct film {
     int width, height; /* the border's rectangle */
@@ -21,7 +27,7 @@ struct film {
     int channels;      /* 4 + bins: X, Y, Z, alpha, bins */
     int64_t *sum;      /* channels per pixel, first row at the bottom */
     int first_sample, end_sample; /* samples that are in, [first, end) */
-    uint64_t saturated, rejected; /* sums at the limit; contributions that were not finite */
+    uint64_t saturated, rejected; /* sums at the limit; samples and splats that were negative or not finite */
 };
 
 /* Yours: film_destroy. NULL with *err: too large, or no memory. */
@@ -55,12 +61,16 @@ bool film_write_exr(const struct film *, const struct working_space *, const str
                     const char *path, stokes_error *err);
 /* Reads the sums back. Yours: film_destroy. */
 struct film *film_read_exr(const char *path, char *fingerprint, size_t fingerprint_size, stokes_error *err);
-/* Adds b's sums to a. Ranges must touch without overlapping. */
+/* The header alone: the working space that R, G, B are in, and each note in the order of writing. `space` and `note` may be NULL. */
+bool film_read_notes(const char *path, struct working_space *space,
+                     void (*note)(void *user, const char *key, const char *value), void *user, stokes_error *err);
+/* Adds b's sums to a. Ranges must touch without overlapping. Whatever the order of merging, the bits are the same. */
 bool film_merge(struct film *a, const struct film *b, stokes_error *err);
-/* An 8-bit PNG of display-referred pixels in [0,1], RGBA, bottom row first. */
+/* An 8-bit PNG of display-referred pixels in [0,1], RGBA with straight alpha, bottom row first. */
 bool film_write_png(int width, int height, const float *rgba, const char *path, stokes_error *err);
 
-/* Blackman–Harris of a total width in pixels: an offset in pixels drawn from it. */
+/* An offset in pixels drawn from the Blackman–Harris window of Blender's filter width. As in Cycles the window spans twice that
+   width: offsets lie in [-width, width]. */
 float film_filter_sample(float width, float u);
 
 #endif
