@@ -93,7 +93,7 @@ static unsigned char *read_area(frame_source read, void *user, uint64_t bytes, c
 enum frame_result frame_read(frame_source read, void *user, struct frame *frame, stokes_error *err)
 {
     unsigned char bytes[FRAME_HEAD_BYTES];
-    struct head head;
+    struct head head = {0};
     *frame = (struct frame){0};
     size_t got = read(user, bytes, sizeof bytes);
     if (got == 0)

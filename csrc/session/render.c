@@ -1,0 +1,290 @@
+/* Progressive passes. A batch of whole passes is traced into a film of its own and merged into the session's film when it is
+   whole: what a cancel breaks off is dropped, so the film's sample range is always true and parts merge to the same bits. */
+#include <limits.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "base/os.h"
+#include "base/thread.h"
+#include "session/session.h"
+
+#define UNIT_PIXELS 16          /* a unit of work is one sample of so many pixels squared */
+#define PROGRESS_EVERY_S 0.1
+#define FIRST_PASS_CHUNK_S 0.5  /* the first pass is shown as it grows */
+#define REFRESH_SHARE 20        /* the picture is refreshed when that costs no more than 1/20 of the time */
+#define MERGE_SHARE 50          /* a batch lasts so much longer than its merge */
+#define BATCH_MIN_S 0.1
+#define BATCH_MAX_S 5.0
+
+struct render {
+    stokes_session *session;
+    struct integrator *integrator;
+    struct film *film, *pass;
+    struct working_space *space;
+    float *picture; /* NULL: nobody looks */
+    int area[4];    /* pixels to trace: the border's, or the whole frame's where splats come in from outside */
+    size_t columns, units;
+    int threads, first_sample, end_sample;
+    double start, progress_at, refresh_at, merge_s;
+    atomic_size_t units_done;
+    atomic_bool stopped;
+    int batch_sample;    /* what the workers trace now: sample of unit 0 */
+    size_t batch_offset; /* units of the batch that earlier chunks have traced */
+};
+
+static bool should_stop(void *context)
+{
+    struct render *render = context;
+    const stokes_listener *listener = &render->session->listener;
+    if (atomic_load_explicit(&render->stopped, memory_order_relaxed))
+        return true;
+    if (!listener->cancelled || !listener->cancelled(listener->user))
+        return false;
+    atomic_store_explicit(&render->stopped, true, memory_order_relaxed);
+    return true;
+}
+
+/* --- Telling ----------------------------------------------------------------------------------------------- */
+
+static void tell_progress(struct render *render, bool always)
+{
+    const stokes_listener *listener = &render->session->listener;
+    double now = os_seconds();
+    if (!listener->progress || (!always && now - render->progress_at < PROGRESS_EVERY_S))
+        return;
+    render->progress_at = now;
+    int samples = render->end_sample - render->first_sample;
+    size_t done = atomic_load_explicit(&render->units_done, memory_order_relaxed);
+    double seconds = now - render->start, share = (double)done / ((double)render->units * samples);
+    double remaining = share > 0 ? seconds / share - seconds : -1;
+    double limit = render->session->rendered.time_limit_s;
+    if (limit > 0 && (remaining < 0 || remaining > limit - seconds))
+        remaining = fmax(0, limit - seconds);
+    listener->progress(listener->user, (int)(done / render->units), samples, seconds, remaining);
+}
+
+/* `samples` is what the listener hears: 0 while the first pass grows. */
+static void refresh_picture(struct render *render, const struct film *film, int divisor, int samples)
+{
+    const stokes_listener *listener = &render->session->listener;
+    double now = os_seconds();
+    if (!render->picture || divisor < 1)
+        return;
+    film_resolve(film, render->space, divisor, render->picture);
+    double after = os_seconds();
+    render->refresh_at = after + (after - now) * REFRESH_SHARE;
+    const int rect[4] = {0, 0, film->width, film->height};
+    if (listener->tile)
+        listener->tile(listener->user, rect, samples);
+}
+
+/* --- Tracing ----------------------------------------------------------------------------------------------- */
+
+/* Units run from the top row down, pass after pass. */
+static void trace_unit(void *context, size_t index, int worker)
+{
+    struct render *render = context;
+    index += render->batch_offset;
+    int sample = render->batch_sample + (int)(index / render->units);
+    size_t unit = index % render->units;
+    int x0 = render->area[0] + (int)(unit % render->columns) * UNIT_PIXELS;
+    int y1 = render->area[3] - (int)(unit / render->columns) * UNIT_PIXELS;
+    int x1 = x0 + UNIT_PIXELS < render->area[2] ? x0 + UNIT_PIXELS : render->area[2];
+    int y0 = y1 - UNIT_PIXELS > render->area[1] ? y1 - UNIT_PIXELS : render->area[1];
+    for (int y = y0; y < y1; y++) {
+        if (should_stop(render))
+            return;
+        for (int x = x0; x < x1; x++)
+            integrator_sample(render->integrator, worker, x, y, sample);
+    }
+    atomic_fetch_add_explicit(&render->units_done, 1, memory_order_relaxed);
+    if (worker == 0)
+        tell_progress(render, false);
+}
+
+/* The first pass in chunks, each followed by a look at what there is. */
+static void trace_first_pass(struct render *render)
+{
+    size_t chunk = (size_t)render->threads * 4;
+    while (render->batch_offset < render->units && !should_stop(render)) {
+        size_t left = render->units - render->batch_offset;
+        size_t count = chunk < left ? chunk : left;
+        double before = os_seconds();
+        thread_run(render->threads, count, trace_unit, should_stop, render);
+        double took = os_seconds() - before;
+        render->batch_offset += count;
+        chunk = took < FIRST_PASS_CHUNK_S / 2 ? chunk * 2 : chunk;
+        if (render->batch_offset < render->units && os_seconds() > render->refresh_at)
+            refresh_picture(render, render->pass, 1, 0);
+    }
+    render->batch_offset = 0;
+}
+
+static bool merge_batch(struct render *render, int passes, stokes_error *err)
+{
+    double before = os_seconds();
+    render->pass->first_sample = render->batch_sample;
+    render->pass->end_sample = render->batch_sample + passes;
+    if (!film_merge(render->film, render->pass, err))
+        return false;
+    film_clear(render->pass);
+    render->merge_s = os_seconds() - before;
+    return true;
+}
+
+/* How many passes next: enough that merging costs little, few enough that a cancel loses little and a limit is kept. */
+static int batch_passes(const struct render *render, int last, double pass_s)
+{
+    double target = fmin(fmax(BATCH_MIN_S, render->merge_s * MERGE_SHARE), BATCH_MAX_S);
+    double limit = render->session->rendered.time_limit_s;
+    if (limit > 0)
+        target = fmin(target, limit - (os_seconds() - render->start));
+    double fits = fmin(target / fmax(pass_s, 1e-9), 2.0 * last);
+    int left = render->end_sample - render->film->end_sample;
+    return fits >= left ? left : fits < 1 ? 1 : (int)fits;
+}
+
+static bool out_of_time(const struct render *render, double pass_s)
+{
+    double limit = render->session->rendered.time_limit_s;
+    return limit > 0 && os_seconds() - render->start + pass_s > limit;
+}
+
+static bool trace_passes(struct render *render, stokes_error *err)
+{
+    int passes = 1;
+    double pass_s = 0;
+    while (render->film->end_sample < render->end_sample && !should_stop(render)) {
+        bool first = render->film->end_sample == render->first_sample;
+        if (!first && out_of_time(render, pass_s))
+            break;
+        double before = os_seconds();
+        passes = first ? 1 : batch_passes(render, passes, pass_s);
+        render->batch_sample = render->film->end_sample;
+        if (first)
+            trace_first_pass(render);
+        else
+            thread_run(render->threads, render->units * (size_t)passes, trace_unit, should_stop, render);
+        if (atomic_load(&render->stopped))
+            break;
+        if (!merge_batch(render, passes, err))
+            return false;
+        pass_s = (os_seconds() - before) / passes;
+        if (os_seconds() > render->refresh_at)
+            refresh_picture(render, render->film, render->film->end_sample - render->first_sample,
+                            render->film->end_sample - render->first_sample);
+    }
+    return true;
+}
+
+/* --- A whole render ---------------------------------------------------------------------------------------- */
+
+static bool pick_samples(struct render *render, const stokes_overrides *o, stokes_error *err)
+{
+    render->first_sample = o && o->first_sample >= 0 ? o->first_sample : render->session->first_sample;
+    render->end_sample = o && o->end_sample >= 0 ? o->end_sample : render->session->end_sample;
+    if (render->first_sample < render->end_sample)
+        return true;
+    return fail(err, "render", "samples", "[%d, %d) is empty", render->first_sample, render->end_sample);
+}
+
+static bool commit_scene(stokes_session *session, const struct session_settings *settings, stokes_error *err)
+{
+    if (!session->has_camera)
+        return fail(err, "scene", "camera", "the scene has no camera");
+    const struct scene_setup setup = {
+        .range = {settings->integrator.lambda_min, settings->integrator.lambda_max},
+        .uv_rule = settings->uv_rule,
+        .working_space = session->color.working_space,
+        .threads = session_threads(settings),
+        .warn = session_warn,
+        .user = session,
+    };
+    return scene_commit(session->scene, &setup, err);
+}
+
+static bool make_films(struct render *render, const struct integrator_settings *s, stokes_error *err)
+{
+    int full[2], border[4];
+    const struct range bins = {s->bins_min, s->bins_max};
+    scene_camera_size(render->session->scene, full, border);
+    render->film = film_create(full[0], full[1], border, s->spectral_bins, bins, err);
+    render->pass = render->film ? film_create(full[0], full[1], border, s->spectral_bins, bins, err) : NULL;
+    if (!render->pass)
+        return false;
+    render->film->first_sample = render->film->end_sample = render->first_sample;
+    return true;
+}
+
+static void place_units(struct render *render)
+{
+    const struct film *film = render->film;
+    bool whole = integrator_splats(render->integrator);
+    const int border[4] = {film->x0, film->y0, film->x0 + film->width, film->y0 + film->height};
+    const int frame[4] = {0, 0, film->full_width, film->full_height};
+    for (int i = 0; i < 4; i++)
+        render->area[i] = whole ? frame[i] : border[i];
+    size_t width = (size_t)(render->area[2] - render->area[0]), height = (size_t)(render->area[3] - render->area[1]);
+    render->columns = (width + UNIT_PIXELS - 1) / UNIT_PIXELS;
+    render->units = render->columns * ((height + UNIT_PIXELS - 1) / UNIT_PIXELS);
+}
+
+static bool check_picture(const struct render *render, size_t floats, stokes_error *err)
+{
+    size_t needs = (size_t)render->film->width * (size_t)render->film->height * 4;
+    if (!render->picture || floats >= needs)
+        return true;
+    return fail(err, "render", "film", "the picture's memory holds %zu floats; it needs %zu", floats, needs);
+}
+
+static bool prepare(struct render *render, size_t picture_floats, stokes_error *err)
+{
+    stokes_session *session = render->session;
+    const struct integrator_settings *s = &session->rendered.integrator;
+    if (!commit_scene(session, &session->rendered, err) || !make_films(render, s, err) ||
+        !check_picture(render, picture_floats, err))
+        return false;
+    render->integrator = integrator_create(s, session->scene, render->pass, render->threads, session_warn, session, err);
+    if (!render->integrator)
+        return false;
+    place_units(render);
+    return true;
+}
+
+/* The film is the session's from here on, and the report is written. */
+static void finish(struct render *render)
+{
+    stokes_session *session = render->session;
+    int samples = render->film->end_sample - render->first_sample;
+    session->seconds = os_seconds() - render->start;
+    session->cancelled = atomic_load(&render->stopped);
+    film_destroy(session->film);
+    session->film = render->film;
+    render->film = NULL;
+    session_fingerprint(session, &session->rendered, session->fingerprint);
+    refresh_picture(render, session->film, samples, samples);
+    tell_progress(render, true);
+    session_write_report(session);
+}
+
+bool stokes_session_render(stokes_session *session, const stokes_overrides *overrides, float *picture,
+                           size_t picture_floats, stokes_error *err)
+{
+    struct session_settings settings = session->settings;
+    struct render render = {.session = session, .space = &session->color.working_space, .picture = picture};
+    if ((overrides && !session_settings_override(&settings, overrides, err)) || !pick_samples(&render, overrides, err))
+        return false;
+    session->rendered = settings;
+    render.threads = session_threads(&settings);
+    bool good = prepare(&render, picture_floats, err);
+    render.start = os_seconds();
+    good = good && trace_passes(&render, err);
+    if (good)
+        finish(&render);
+    integrator_destroy(render.integrator);
+    film_destroy(render.film);
+    film_destroy(render.pass);
+    return good;
+}
