@@ -30,9 +30,9 @@ class ExportContext:
         self.warnings = []  # (object, property, text), each once, in order of appearance
         self._sent_images = {}  # name in the stream -> True
 
-    def send(self, name, **members):
+    def send(self, message, /, **members):
         """One frame of the stream; bytes-like members wrapped in core.stream.Blob travel as blobs."""
-        return self.stream.send(name, members)
+        return self.stream.send(message, **members)
 
     def warn(self, owner, prop, text):
         """Names what is not rendered as Cycles would: `owner` is a bpy ID or a text."""

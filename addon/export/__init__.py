@@ -1,0 +1,47 @@
+"""The depsgraph as a Stokes stream: `send_scene` is the whole export, in the order of its messages."""
+
+import bpy
+
+from .. import properties
+from . import camera, color, nodes, objects
+from .context import ExportContext, StrictError  # noqa: F401
+
+
+def send_scene(context, shown_camera, size, rectangle, threads=None):
+    """All messages of a scene but `render`. `shown_camera` is an evaluated object; `rectangle` the border."""
+    scene = context.scene
+    color.send_color(context)
+    settings = properties.stream_settings(scene, preview=context.preview)
+    if threads is not None:
+        settings["threads"] = threads
+    if context.preview:
+        # A preview is a look, not a measurement: wide mollification that does not shrink is clean at once.
+        settings.update(d0=100.0, shrink=0.0)
+    context.send("settings", **settings)
+    objects.send_objects(context)
+    send_world(context)
+    camera.send_camera(shown_camera, size, rectangle, context)
+
+
+def send_world(context):
+    world = context.scene.world
+    members = nodes.world(world, context)
+    visibility = getattr(world, "cycles_visibility", None)
+    if visibility:
+        members["visible"] = {ray: getattr(visibility, blender) for ray, blender in (
+            ("camera", "camera"), ("diffuse", "diffuse"), ("glossy", "glossy"), ("transmission", "transmission"))}
+    context.send("world", **members)
+
+
+def record(path, depsgraph=None, samples=None):
+    """Writes the scene as a file for `stokes render`, without a core; returns the warnings. For scripts and tests."""
+    from ..core import stream
+    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
+    scene = depsgraph.scene
+    size = camera.resolution(scene)
+    with stream.Recorder(path) as recorder:
+        context = ExportContext(recorder, depsgraph)
+        send_scene(context, scene.camera.evaluated_get(depsgraph), size, camera.border(scene, size))
+        recorder.send("render", samples=[0, samples or properties.sample_count(scene)],
+                      layer=depsgraph.view_layer.name)
+    return context.warnings

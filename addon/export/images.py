@@ -1,0 +1,47 @@
+"""A bpy image as an `image` message: its pixels as floats, with the name of their colour space."""
+
+from array import array
+
+from ..core.stream import Blob
+
+
+def send(image, name, context):
+    """True if the image has been sent; else a warning has said why not."""
+    if image.source == 'TILED':
+        context.warn(image, "source", "of a tiled (UDIM) image only the first tile is used")
+    width, height = image.size  # asking for the size loads the file
+    channels = image.channels
+    if not width or not height or not channels:
+        context.warn(image, "filepath", "has no pixels: %s" % (image.filepath or "no file"))
+        return False
+    pixels = array("f", bytes(4 * width * height * channels))
+    image.pixels.foreach_get(pixels)
+    if channels == 2:
+        pixels, channels = _grey_alpha_to_rgba(pixels), 4
+    if channels == 4:
+        _apply_alpha_mode(image, pixels)
+    context.send("image", name=name, width=width, height=height, channels=channels, format="f32",
+                 colorspace=colorspace(image), pixels=Blob(pixels))
+    return True
+
+
+def colorspace(image):
+    """OpenColorIO name of the pixels' space. A float image is already in the working space: Blender converts
+    it when the file is read; bytes it hands out as they are stored."""
+    settings = image.colorspace_settings
+    if settings.is_data:
+        return "data"
+    return "" if image.is_float else settings.name
+
+
+def _grey_alpha_to_rgba(pixels):
+    wide = array("f", bytes(8 * len(pixels)))
+    for channel in range(3):
+        wide[channel::4] = pixels[0::2]
+    wide[3::4] = pixels[1::2]
+    return wide
+
+
+def _apply_alpha_mode(image, pixels):
+    if image.alpha_mode == 'NONE':
+        pixels[3::4] = array("f", [1.0]) * (len(pixels) // 4)
