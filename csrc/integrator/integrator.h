@@ -7,13 +7,15 @@
 
 enum mollifier { MOLLIFIER_CONSTANT };
 
-#define TECHNIQUES_MAX 34
+/* Paths have at most this many edges. */
+#define PATH_EDGES_MAX 32
+#define TECHNIQUES_MAX (PATH_EDGES_MAX + 2)
 
 /* Unit and range beside each; defaults in integrator_settings_default, and in STREAM.md. */
 struct integrator_settings {
     const char *name;
     uint32_t seed;
-    double d0_nm, shrink;    /* d_n = d0 n^(−shrink) */
+    double d0_nm, shrink; /* d_n = d0 n^(−shrink) */
     enum mollifier kernel;
     enum side mollify_side;
     int max_path, max_camera, max_light; /* edges */
@@ -22,8 +24,8 @@ struct integrator_settings {
     float lambda_min, lambda_max;
     float filter_width; /* pixels */
     bool film_transparent;
-    bool all_techniques; /* else only those with technique[s][t] */
-    bool technique[TECHNIQUES_MAX][TECHNIQUES_MAX];
+    bool all_techniques;                            /* else only those with technique[s][t] */
+    bool technique[TECHNIQUES_MAX][TECHNIQUES_MAX]; /* [s][t]: light and camera vertices */
     int spectral_bins;
     float bins_min, bins_max;
 };
@@ -32,8 +34,9 @@ struct integrator_settings integrator_settings_default(void);
 struct integrator; /* what is precomputed for one scene: wavelength densities, product tables */
 
 /* Borrowed: scene, film; both must outlive it. NULL with *err: unknown name. Names through `warn` the lights that it cannot see. */
-struct integrator *integrator_create(const struct integrator_settings *, const struct scene *, struct film *, int threads,
-                                     void (*warn)(void *user, const stokes_error *), void *user, stokes_error *err);
+struct integrator *integrator_create(const struct integrator_settings *, const struct scene *, struct film *,
+                                     int threads, void (*warn)(void *user, const stokes_error *), void *user,
+                                     stokes_error *err);
 void integrator_destroy(struct integrator *);
 const char *integrator_name_at(size_t index); /* NULL past the end */
 

@@ -42,6 +42,7 @@ struct light_point {
     float uv[2];
     bool distant;         /* position is meaningless; pdf_point is per solid angle of `normal` */
     bool delta;           /* a point or a single direction: no ray can hit it */
+    bool on_mesh;         /* a mesh emitter: `hit` is set */
     bool has_normal;      /* false for points: their directions have densities per solid angle, and no cosine in G */
 };
 
@@ -77,6 +78,10 @@ int scene_distant_along(const struct scene *, const struct ray *, struct light_p
 /* The light point of a mesh emitter that was hit (hit->light ≥ 0). */
 void scene_light_point_at(const struct scene *, const struct hit *, struct light_point *);
 
+/* True if a camera ray can meet this point of a light directly, so that a connection of the two counts: mesh emitters that the camera
+   sees, lamps with camera visibility that have an area. */
+bool scene_light_seen_by_camera(const struct scene *, const struct light_point *);
+
 /* Power-weighted spectrum of all lights, for p_cam (algorithm.md §1); borrowed; NULL without lights. */
 const struct spectrum *scene_lamp_spectrum(const struct scene *);
 
@@ -92,9 +97,10 @@ struct camera_point {
    scene_camera_is_orthographic. */
 struct ray scene_camera_ray(const struct scene *, float x, float y, const float u[2], struct camera_point *, float *pdf);
 /* A point on the lens for a connection from `from`; where it falls on the film, and the density with which scene_camera_ray
-   would make that direction. False outside the frame or the clip range. */
-bool scene_camera_connect(const struct scene *, struct vec3 from, const float u[2], struct camera_point *, float film[2],
-                          float *pdf);
+   would make that direction. False outside the frame by more than `margin` pixels (a pixel filter reaches over the edge), or
+   outside the clip range. */
+bool scene_camera_connect(const struct scene *, struct vec3 from, float margin, const float u[2], struct camera_point *,
+                          float film[2], float *pdf);
 /* An orthographic camera is the dual of a distant light: its position on the film plane is what the pixel draws, its direction is
    a δ. `pdf` is then per area perpendicular to the axis. */
 bool scene_camera_is_orthographic(const struct scene *);

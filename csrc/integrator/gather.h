@@ -1,0 +1,14 @@
+/* Emitters that a camera sub-path meets by itself: the techniques with s = 0. */
+#ifndef INTEGRATOR_GATHER_H
+#define INTEGRATOR_GATHER_H
+
+#include "integrator/path.h"
+
+/* Lamps along the segment `ray` of worker->camera's next edge and, if it goes to infinity, the world and suns. */
+void gather_lamps(const struct integrator *, struct worker *, const struct ray *, double throughput,
+                  bool to_infinity);
+/* An emitting surface at the end of that edge. */
+void gather_surface(const struct integrator *, struct worker *, const struct hit *, struct vec3 direction,
+                    double throughput);
+
+#endif

@@ -1,0 +1,185 @@
+/* One sample of one pixel: camera sub-path, light sub-path, connections; and what is prepared for that once per scene. */
+#include "integrator/integrator.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "integrator/connect.h"
+#include "integrator/kinds.h"
+#include "integrator/path.h"
+
+struct integrator_settings integrator_settings_default(void)
+{
+    return (struct integrator_settings){
+        .name = "mbdpt",
+        .d0_nm = 50,
+        .shrink = 0.2,
+        .kernel = MOLLIFIER_CONSTANT,
+        .mollify_side = SIDE_LIGHT,
+        .max_path = PATH_EDGES_MAX,
+        .max_camera = PATH_EDGES_MAX,
+        .max_light = PATH_EDGES_MAX,
+        .max_diffuse = PATH_EDGES_MAX,
+        .max_glossy = PATH_EDGES_MAX,
+        .max_transmission = PATH_EDGES_MAX,
+        .max_transparent = PATH_EDGES_MAX,
+        .roulette_start = 4,
+        .lambda_min = 300,
+        .lambda_max = 830,
+        .filter_width = 1.5f,
+        .all_techniques = true,
+    };
+}
+
+const char *integrator_name_at(size_t index)
+{
+    const struct integrator_kind *kind = integrator_kind_at(index);
+    return kind ? kind->name : NULL;
+}
+
+/* The techniques of the kind, of the user's choice, and within the limits on depth; and the longest sub-paths that they need. */
+static void choose_techniques(struct integrator *it, const struct integrator_kind *kind)
+{
+    struct integrator_settings *settings = &it->settings;
+    bool splats = false;
+    for (int s = 0; s < TECHNIQUES_MAX; s++)
+        for (int t = 0; t < TECHNIQUES_MAX; t++) {
+            bool chosen = settings->all_techniques || settings->technique[s][t];
+            bool fits = t >= 1 && s + t >= 2 && s + t - 1 <= settings->max_path &&
+                        s - 1 <= settings->max_light && t - 1 <= settings->max_camera;
+            bool used = chosen && fits && kind->uses(s, t);
+            settings->technique[s][t] = used;
+            it->traces_camera |= used && t >= 2;
+            it->traces_light |= used && (s >= 2 || t == 1);
+            splats |= used && t == 1;
+            it->connects |= used && s >= 1;
+            if (used && t - 1 > it->camera_edges)
+                it->camera_edges = t - 1;
+            if (used && (s >= 2 || t == 1) && s - 1 > it->light_edges)
+                it->light_edges = s - 1;
+        }
+    it->splats = splats;
+}
+
+static bool check_settings(const struct integrator_settings *s, stokes_error *err)
+{
+    if (!(s->lambda_min >= 100) || !(s->lambda_max <= 3000) || !(s->lambda_min + 1 <= s->lambda_max))
+        return fail(err, "settings", "lambda_min, lambda_max",
+                    "%g to %g nm is no range within 100 to 3000 nm", s->lambda_min, s->lambda_max);
+    if (!(s->d0_nm > 0) || !(s->d0_nm <= 1000) || !(s->shrink >= 0) || !(s->shrink <= 2))
+        return fail(err, "settings", "d0, shrink", "%g nm and %g are not within (0, 1000] nm and [0, 2]",
+                    s->d0_nm, s->shrink);
+    if (s->max_path < 1 || s->max_path > PATH_EDGES_MAX || s->max_camera < 0 ||
+        s->max_camera > PATH_EDGES_MAX || s->max_light < 0 || s->max_light > PATH_EDGES_MAX)
+        return fail(err, "settings", "max_path, max_camera, max_light",
+                    "%d, %d, %d are not within 0 to %d edges", s->max_path, s->max_camera, s->max_light,
+                    PATH_EDGES_MAX);
+    return true;
+}
+
+static void warn_of_invisible_lights(const struct integrator *it, void (*warn)(void *, const stokes_error *),
+                                     void *user)
+{
+    if (it->connects || !warn)
+        return;
+    for (int i = 0; i < scene_light_count(it->scene); i++)
+        if (scene_light_is_delta(it->scene, i)) {
+            stokes_error what;
+            fail(&what, scene_light_name(it->scene, i), "light",
+                 "has no area or angle, so integrator %s cannot see it and leaves it out", it->settings.name);
+            warn(user, &what);
+        }
+}
+
+static bool create_workers(struct integrator *it, stokes_error *err)
+{
+    it->worker = calloc((size_t)it->worker_count, sizeof *it->worker);
+    for (int i = 0; it->worker && i < it->worker_count; i++) {
+        struct worker *w = &it->worker[i];
+        w->camera.vertex = calloc(PATH_VERTICES, sizeof *w->camera.vertex);
+        w->light.vertex = calloc(PATH_VERTICES, sizeof *w->light.vertex);
+        w->gathered.bin = it->film->bins ? calloc((size_t)it->film->bins, sizeof *w->gathered.bin) : NULL;
+        if (!w->camera.vertex || !w->light.vertex || (it->film->bins && !w->gathered.bin))
+            return fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
+    }
+    return it->worker || fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
+}
+
+struct integrator *integrator_create(const struct integrator_settings *settings, const struct scene *scene,
+                                     struct film *film, int threads,
+                                     void (*warn)(void *, const stokes_error *), void *user,
+                                     stokes_error *err)
+{
+    const struct integrator_kind *kind = integrator_kind_find(settings->name);
+    if (!kind) {
+        fail(err, "settings", "integrator", "there is no '%s'", settings->name);
+        return NULL;
+    }
+    if (!check_settings(settings, err))
+        return NULL;
+    struct integrator *it = calloc(1, sizeof *it);
+    if (!it) {
+        fail(err, "integrator", "memory", "not enough");
+        return NULL;
+    }
+    it->settings = *settings;
+    it->settings.name = kind->name;
+    it->scene = scene;
+    it->film = film;
+    it->kappa = cmf_normalization(settings->lambda_min, settings->lambda_max);
+    it->worker_count = threads > 1 ? threads : 1;
+    scene_camera_size(scene, it->full, it->border);
+    choose_techniques(it, kind);
+    if (!wavelengths_create(&it->wavelengths, settings, scene, err) || !create_workers(it, err)) {
+        integrator_destroy(it);
+        return NULL;
+    }
+    warn_of_invisible_lights(it, warn, user);
+    return it;
+}
+
+void integrator_destroy(struct integrator *it)
+{
+    if (!it)
+        return;
+    for (int i = 0; it->worker && i < it->worker_count; i++) {
+        free(it->worker[i].camera.vertex);
+        free(it->worker[i].light.vertex);
+        free(it->worker[i].gathered.bin);
+    }
+    free(it->worker);
+    wavelengths_destroy(&it->wavelengths);
+    free(it);
+}
+
+bool integrator_splats(const struct integrator *it)
+{
+    return it->splats;
+}
+
+void integrator_sample(struct integrator *it, int worker, int x, int y, int sample)
+{
+    struct worker *w = &it->worker[worker];
+    const struct integrator_settings *settings = &it->settings;
+    bool inside = x >= it->border[0] && x < it->border[2] && y >= it->border[1] && y < it->border[3];
+    w->random =
+        random_path(settings->seed, (uint32_t)y * (uint32_t)it->full[0] + (uint32_t)x, (uint32_t)sample);
+    w->half_width_nm = (float)(settings->d0_nm * pow(sample + 1, -settings->shrink));
+    w->camera.count = w->light.count = 0;
+    film_sample_clear(it->film, &w->gathered);
+    w->gathered.alpha = settings->film_transparent ? 0 : 1;
+    if (inside && it->traces_camera) {
+        float width = settings->filter_width;
+        path_trace_camera(it, w, (float)x + 0.5f + film_filter_sample(width, random_at(w->random, DIM_FILM)),
+                          (float)y + 0.5f + film_filter_sample(width, random_at(w->random, DIM_FILM + 1)));
+    }
+    if (it->traces_light && (inside || it->splats))
+        path_trace_light(it, w);
+    if (w->camera.count > 1)
+        w->gathered.alpha = 1;
+    if (it->connects)
+        connect_all(it, w);
+    if (inside)
+        film_add(it->film, x, y, &w->gathered);
+}

@@ -1,0 +1,199 @@
+/* Sub-path tracing: grows a path from the camera or a light, one vertex a call, and fills throughput, both densities and
+   the geometry term of each step. Transparent surfaces are no vertices: a ray passes them with the probability of their
+   transmittance, and no density that enters a weight holds that factor, on either side. */
+#include "integrator/path.h"
+
+#include <string.h>
+
+#include "integrator/gather.h"
+
+/* Roulette never kills with more than this probability; it divides the contribution and stays out of the weights. */
+static const float roulette_floor = 0.05f;
+/* A grazing edge whose cosine is below this has no density that floats can hold. */
+static const float cosine_min = 1e-6f;
+
+struct vec3 vertex_offset(const struct vertex *v, struct vec3 direction)
+{
+    if (v->kind == VERTEX_SURFACE)
+        return scene_offset(&v->hit, direction);
+    if (v->kind == VERTEX_LIGHT && v->light.on_mesh)
+        return scene_offset(&v->light.hit, direction);
+    return v->position;
+}
+
+/* What one step of a sub-path needs while it looks for the next surface. */
+struct flight {
+    struct ray ray;
+    uint32_t dimension; /* of the next pass */
+    double throughput;
+};
+
+/* Follows the ray to the next surface that scatters it; every emitter on the way is offered to `gather` (camera side).
+   Returns false when the path ends: it left the scene, or met only glass-clear surfaces for too long. */
+static bool fly(const struct integrator *it, struct worker *w, enum side side, struct flight *f,
+                struct vertex *next)
+{
+    const struct material *material;
+    for (int pass = 0; pass < PASSES_MAX; pass++) {
+        bool met = scene_intersect(it->scene, &f->ray, &next->hit, &material);
+        if (side == SIDE_CAMERA) {
+            struct ray seen = f->ray;
+            if (met)
+                seen.far = length(sub(next->hit.position, f->ray.origin));
+            gather_lamps(it, w, &seen, f->throughput, !met);
+        }
+        if (!met)
+            return false;
+        if (side == SIDE_CAMERA && next->hit.light >= 0)
+            gather_surface(it, w, &next->hit, f->ray.direction, f->throughput);
+        if (!material_may_be_transparent(material))
+            break;
+        float passed =
+            material_transmittance(material, &next->hit, negate(f->ray.direction), next->lambda_in);
+        if (random_at(w->random, f->dimension + (uint32_t)pass * DIMS_PER_STEP + 5) >= passed) {
+            f->throughput /= 1 - passed;
+            break;
+        }
+        if (pass + 1 == PASSES_MAX)
+            return false;
+        f->ray.origin = scene_offset(&next->hit, f->ray.direction);
+    }
+    material_shade(material, &next->hit, negate(f->ray.direction), &next->surface);
+    return true;
+}
+
+/* Fills what a new surface vertex knows of the edge to its predecessor. */
+static bool arrive(struct vertex *prev, struct vertex *next, struct vec3 direction, double throughput)
+{
+    next->kind = VERTEX_SURFACE;
+    next->label = LABEL_ELASTIC;
+    next->unbounded = false;
+    next->position = next->hit.position;
+    next->to_prev = negate(direction);
+    next->throughput = throughput;
+    float cosines = vertex_cosine(prev, direction) * vertex_cosine(next, direction);
+    next->geometry =
+        prev->unbounded ? cosines : cosines / length_squared(sub(next->position, prev->position));
+    return cosines > cosine_min * cosine_min && isfinite(next->geometry);
+}
+
+static bool within_bounces(const struct integrator_settings *s, const uint8_t bounces[SCATTER_CLASSES])
+{
+    return bounces[SCATTER_DIFFUSE] <= s->max_diffuse && bounces[SCATTER_GLOSSY] <= s->max_glossy &&
+           bounces[SCATTER_TRANSMISSION] <= s->max_transmission;
+}
+
+static uint32_t ray_kind_after(int depth_class)
+{
+    return depth_class == SCATTER_DIFFUSE  ? RAY_DIFFUSE
+           : depth_class == SCATTER_GLOSSY ? RAY_GLOSSY
+                                           : RAY_TRANSMISSION;
+}
+
+/* Scatters at the last vertex and sets up the flight to the next one. False: absorbed, or lost at roulette. */
+static bool scatter(const struct integrator *it, struct worker *w, enum side side, struct subpath *path,
+                    uint32_t dimension, struct flight *f)
+{
+    struct vertex *v = &path->vertex[path->count - 1], *next = v + 1;
+    struct scatter drawn;
+    float u[4];
+    for (int i = 0; i < 4; i++)
+        u[i] = random_at(w->random, dimension + (uint32_t)i);
+    if (!surface_sample(&v->surface, side, v->to_prev, v->lambda_in, u, &drawn) || !(drawn.pdf > 0))
+        return false;
+    v->label = drawn.label;
+    v->lobe = drawn.lobe;
+    v->to_next = drawn.direction;
+    v->lambda_out = drawn.lambda;
+    v->pdf_own = drawn.pdf;
+    v->pdf_other = drawn.pdf_other;
+    v->disperses = drawn.disperses;
+    double gain = (double)drawn.value / drawn.pdf, survival = 1;
+    if (path->count - 1 >= it->settings.roulette_start) {
+        survival = gain < roulette_floor ? roulette_floor : gain > 1 ? 1 : gain;
+        if (random_at(w->random, dimension + 4) >= survival)
+            return false;
+    }
+    next->lambda_in = drawn.lambda;
+    next->run_disperses = drawn.label != LABEL_FLUORESCENT && (v->run_disperses || drawn.disperses);
+    for (int i = 0; i < SCATTER_CLASSES; i++)
+        next->bounces[i] = (uint8_t)(v->bounces[i] + (i == drawn.depth_class));
+    f->throughput = v->throughput * gain / survival;
+    f->ray = (struct ray){scene_offset(&v->hit, drawn.direction), drawn.direction, 0, INFINITY,
+                          ray_kind_after(drawn.depth_class)};
+    return f->throughput > 0 && isfinite(f->throughput) && within_bounces(&it->settings, next->bounces);
+}
+
+/* Adds vertices until the path ends or has `edges` edges. */
+static void extend(const struct integrator *it, struct worker *w, enum side side, struct subpath *path,
+                   struct flight *f, int edges)
+{
+    uint32_t block = side == SIDE_CAMERA ? DIM_CAMERA_STEP : DIM_LIGHT_STEP;
+    for (int step = 0; path->count <= edges; step++) {
+        struct vertex *prev = &path->vertex[path->count - 1], *next = prev + 1;
+        f->dimension = block + (uint32_t)step * DIMS_PER_STEP * PASSES_MAX;
+        if (step > 0 && !scatter(it, w, side, path, f->dimension, f))
+            return;
+        if (!fly(it, w, side, f, next) || !arrive(prev, next, f->ray.direction, f->throughput))
+            return;
+        path->count++;
+    }
+}
+
+void path_trace_camera(const struct integrator *it, struct worker *w, float x, float y)
+{
+    struct subpath *path = &w->camera;
+    struct vertex *v = path->vertex;
+    float lens[2] = {random_at(w->random, DIM_LENS), random_at(w->random, DIM_LENS + 1)}, pdf_lambda,
+          pdf_direction;
+    float lambda = spectrum_sample(it->wavelengths.camera, random_at(w->random, DIM_LAMBDA), &pdf_lambda);
+    *v = (struct vertex){.kind = VERTEX_CAMERA,
+                         .label = LABEL_FLUORESCENT,
+                         .lambda_out = lambda,
+                         .unbounded = scene_camera_is_orthographic(it->scene)};
+    struct flight f = {.ray = scene_camera_ray(it->scene, x, y, lens, &v->lens, &pdf_direction),
+                       .throughput = 1 / (double)pdf_lambda};
+    v->position = v->lens.position;
+    v->to_next = f.ray.direction;
+    v->pdf_own = pdf_lambda * pdf_direction;
+    path->count = 1;
+    v[1].lambda_in = lambda;
+    v[1].run_disperses = false;
+    memset(v[1].bounces, 0, sizeof v[1].bounces);
+    extend(it, w, SIDE_CAMERA, path, &f, it->camera_edges);
+}
+
+void path_trace_light(const struct integrator *it, struct worker *w)
+{
+    struct subpath *path = &w->light;
+    struct vertex *v = path->vertex;
+    float u[3] = {random_at(w->random, DIM_LIGHT), random_at(w->random, DIM_LIGHT + 1),
+                  random_at(w->random, DIM_LIGHT + 2)};
+    float turn[2] = {random_at(w->random, DIM_LIGHT_DIRECTION),
+                     random_at(w->random, DIM_LIGHT_DIRECTION + 1)};
+    float pdf_lambda, pdf_direction;
+    path->count = 0;
+    *v = (struct vertex){.kind = VERTEX_LIGHT, .label = LABEL_FLUORESCENT};
+    if (!scene_sample_light(it->scene, u, &v->light, &v->pdf_point))
+        return;
+    v->position = v->light.position;
+    v->unbounded = v->light.distant;
+    v->throughput = 1 / (double)v->pdf_point;
+    path->count = 1;
+    v->lambda_out =
+        scene_sample_light_lambda(it->scene, &v->light, random_at(w->random, DIM_LIGHT_LAMBDA), &pdf_lambda);
+    struct flight f = {.ray = {.far = INFINITY, .kind = RAY_DIFFUSE}};
+    if (!(pdf_lambda > 0) || !scene_sample_light_direction(it->scene, &v->light, turn, &f.ray.origin,
+                                                           &f.ray.direction, &pdf_direction))
+        return;
+    float radiance = scene_light_emission(it->scene, &v->light, f.ray.direction, v->lambda_out);
+    v->to_next = f.ray.direction;
+    v->pdf_own = pdf_lambda * pdf_direction;
+    f.throughput = v->throughput * radiance / v->pdf_own;
+    if (!(f.throughput > 0) || !isfinite(f.throughput))
+        return;
+    v[1].lambda_in = v->lambda_out;
+    v[1].run_disperses = false;
+    memset(v[1].bounces, 0, sizeof v[1].bounces);
+    extend(it, w, SIDE_LIGHT, path, &f, it->light_edges);
+}

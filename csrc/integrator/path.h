@@ -1,0 +1,109 @@
+/* Paths: vertices, sub-paths, and what one worker needs to trace them.
+
+   A path is x_0 (light) … x_K (camera); edge i lies between x_{i-1} and x_i (exact.md §1). The camera sub-path holds
+   x_K, x_{K-1}, … and the light sub-path x_0, x_1, …, each in the order in which it was traced: `prev` and `next` are meant
+   that way. Densities are per projected solid angle, so a step's density over area is pdf × the edge's geometry term. */
+#ifndef INTEGRATOR_PATH_H
+#define INTEGRATOR_PATH_H
+
+#include "base/random.h"
+#include "integrator/integrator.h"
+#include "integrator/wavelengths.h"
+
+#define PATH_VERTICES TECHNIQUES_MAX
+#define SCATTER_CLASSES 4
+
+enum vertex_kind { VERTEX_LIGHT, VERTEX_CAMERA, VERTEX_SURFACE };
+
+struct vertex {
+    enum vertex_kind kind;
+    enum label label; /* of a vertex that was passed; the last one of a sub-path has none yet */
+    int lobe;         /* fluorescent or specular lobe of that label */
+    struct vec3 position;
+    struct vec3 to_prev, to_next; /* unit, away from the vertex */
+    float lambda_in, lambda_out;  /* nm, of the edges to prev and next */
+    double throughput;            /* on arrival: everything before this vertex */
+    float pdf_own;                /* label × wavelength × direction of the step to next */
+    float pdf_other; /* with which the other side's sub-path, coming from next, would step to prev */
+    float geometry;  /* of the edge to prev */
+    bool
+        unbounded; /* a distant light, an orthographic camera: a direction instead of a point, so that edges to it
+                                     have no length, and its steps have densities per area perpendicular to them */
+    bool disperses;     /* passed by a refraction whose direction depends on the wavelength */
+    bool run_disperses; /* some vertex of this run before this one did (exact.md §2) */
+    uint8_t bounces[SCATTER_CLASSES];
+    float pdf_point;          /* VERTEX_LIGHT: of choosing light and point */
+    struct light_point light; /* VERTEX_LIGHT */
+    struct camera_point lens; /* VERTEX_CAMERA */
+    struct hit hit;           /* VERTEX_SURFACE */
+    struct surface surface;   /* VERTEX_SURFACE: evaluates again at any wavelength */
+};
+
+struct subpath {
+    int count;
+    struct vertex *vertex; /* PATH_VERTICES of them */
+};
+
+/* Dimensions of the sample point (random.h). A new one goes to the end of its block: the map has a version. */
+enum dimension {
+    DIM_FILM = 0,   /* 2 */
+    DIM_LENS = 2,   /* 2 */
+    DIM_LAMBDA = 4, /* 1 */
+    DIM_LIGHT = 8,  /* 3: light, point */
+    DIM_LIGHT_LAMBDA = 11,
+    DIM_LIGHT_DIRECTION = 12, /* 2 */
+    DIM_CAMERA_STEP =
+        1 << 8, /* DIMS_PER_STEP for each surface that a segment meets, PASSES_MAX of them a step */
+    DIM_LIGHT_STEP = 1 << 16,
+    DIM_NEE = 2 << 16,     /* DIMS_PER_NEE a camera vertex */
+    DIM_SPLAT = 3 << 16,   /* DIMS_PER_SPLAT a light vertex */
+    DIM_CONNECT = 4 << 16, /* per (s, t, pair of labels) */
+};
+enum { DIMS_PER_STEP = 8, DIMS_PER_NEE = 16, DIMS_PER_SPLAT = 16 };
+/* Surfaces that one step may pass without scattering. */
+enum { PASSES_MAX = 64 };
+
+/* One worker's memory and the state of the path that it traces. */
+struct worker {
+    struct subpath camera, light;
+    struct random_path random;
+    struct film_sample gathered;
+    float half_width_nm; /* d_n */
+};
+
+struct integrator {
+    struct integrator_settings settings;
+    const struct scene *scene;
+    struct film *film;
+    struct wavelengths wavelengths;
+    double kappa;
+    int full[2], border[4];
+    bool traces_camera, traces_light, connects, splats;
+    int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
+    int worker_count;
+    struct worker *worker;
+};
+
+/* Grows the camera sub-path from film point (x, y), and adds what its rays see of emitters (s = 0) to worker->gathered. */
+void path_trace_camera(const struct integrator *, struct worker *, float x, float y);
+/* Grows the light sub-path. */
+void path_trace_light(const struct integrator *, struct worker *);
+
+/* Cosine of a direction with the surface's geometric normal, absolute. */
+static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)
+{
+    switch (v->kind) {
+    case VERTEX_LIGHT:
+        return v->unbounded || !v->light.has_normal ? 1 : fabsf(dot(v->light.normal, direction));
+    case VERTEX_CAMERA:
+        return v->unbounded ? 1 : fabsf(dot(v->lens.axis, direction));
+    case VERTEX_SURFACE:
+        return fabsf(dot(v->hit.ng, direction));
+    }
+    return 0;
+}
+
+/* Where a shadow ray from this vertex starts. */
+struct vec3 vertex_offset(const struct vertex *, struct vec3 direction);
+
+#endif

@@ -1,0 +1,37 @@
+/* The wavelength densities of a scene: p_cam, and tables of products e·ã over pairs of what emits into a run (lights,
+   fluorophores) and what takes from it (fluorophores, the camera) — O_YX of exact.md §2. */
+#ifndef INTEGRATOR_WAVELENGTHS_H
+#define INTEGRATOR_WAVELENGTHS_H
+
+#include "scene/scene.h"
+
+struct integrator_settings;
+
+struct wavelengths {
+    struct spectrum *camera; /* p_cam, not normalised */
+    int lights, fluorophores;
+    struct spectral_histogram **product; /* (lights + fluorophores) × (fluorophores + 1) */
+};
+
+bool wavelengths_create(struct wavelengths *, const struct integrator_settings *, const struct scene *,
+                        stokes_error *err);
+void wavelengths_destroy(struct wavelengths *);
+
+/* Emitters into a run and takers from it, by index into the table: lights are sources, and dyes are sinks, by their own index. */
+static inline int wavelengths_source_dye(const struct wavelengths *w, int dye)
+{
+    return w->lights + dye;
+}
+static inline int wavelengths_sink_camera(const struct wavelengths *w)
+{
+    return w->fluorophores;
+}
+
+/* NULL where source and sink have no wavelength in common. */
+static inline const struct spectral_histogram *wavelengths_product(const struct wavelengths *w, int source,
+                                                                   int sink)
+{
+    return w->product[source * (w->fluorophores + 1) + sink];
+}
+
+#endif
