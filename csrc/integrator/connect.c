@@ -256,7 +256,11 @@ static int join(const struct integrator *it, struct worker *w, struct joint *joi
             struct pending *p = &out[count];
             p->value = contribution(it, w, joint, of_y[i], of_x[j], i * CHOICES_MAX + j, &p->lambda_edge);
             p->lambda_film = joint->t == 1 ? p->lambda_edge : camera->vertex[0].lambda_out;
-            count += p->value > 0 && isfinite(p->value);
+            if (!(p->value > 0) || !isfinite(p->value))
+                continue;
+            count++;
+            if (it->observe)
+                it->observe(it->observer, &joint->path, p->value * visibility(it, joint, p->lambda_edge));
         }
     if (count == 0)
         return 0;

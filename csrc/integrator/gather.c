@@ -32,9 +32,12 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
     end[0].fwd = scene_pdf_light_lambda(it->scene, light, lambda) *
                  (double)scene_pdf_light_direction(it->scene, light, back);
     end[0].label = LABEL_FLUORESCENT;
-    if (end[1].geometry > 0)
-        film_sample_add(it->film, &w->gathered, throughput * radiance * mis_weight(it, &path),
-                        w->camera.vertex[0].lambda_out, it->kappa);
+    if (!(end[1].geometry > 0))
+        return;
+    double value = throughput * radiance * mis_weight(it, &path);
+    film_sample_add(it->film, &w->gathered, value, w->camera.vertex[0].lambda_out, it->kappa);
+    if (it->observe)
+        it->observe(it->observer, &path, value);
 }
 
 void gather_lamps(const struct integrator *it, struct worker *w, const struct ray *ray, double throughput,

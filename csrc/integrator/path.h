@@ -71,6 +71,8 @@ struct worker {
     float half_width_nm; /* d_n */
 };
 
+struct full_path; /* mis.h */
+
 struct integrator {
     struct integrator_settings settings;
     const struct scene *scene;
@@ -82,6 +84,9 @@ struct integrator {
     int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
     int worker_count;
     struct worker *worker;
+    /* For tests: told of every contribution (density tests, exact.md §5). NULL otherwise. */
+    void (*observe)(void *observer, const struct full_path *, double value);
+    void *observer;
 };
 
 /* Grows the camera sub-path from film point (x, y), and adds what its rays see of emitters (s = 0) to worker->gathered. */

@@ -1,0 +1,221 @@
+/* Builds the boxes; any failure fails the running test with the error's text. */
+#include "boxes.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <string.h>
+
+/* cmocka's `fail` macro hides base/error.h's function: included last. */
+#include <cmocka.h>
+
+static void expect(bool ok, const stokes_error *err)
+{
+    if (!ok)
+        fail_msg("%s: %s: %s", err->object, err->property, err->text);
+}
+
+static struct color_node *flat(struct range range, float value)
+{
+    struct color_node *node = calloc(1, sizeof *node);
+    node->spectrum = spectrum_constant(range, value);
+    node->scale = 1;
+    return node;
+}
+
+static struct color_node *bell(struct range range, double mean, double sigma, double peak)
+{
+    struct color_node *node = calloc(1, sizeof *node);
+    node->spectrum = spectrum_gaussian(range, mean, sigma, peak, "bell", NULL);
+    node->scale = 1;
+    return node;
+}
+
+static struct closure *bsdf(const char *name)
+{
+    struct closure *c = calloc(1, sizeof *c);
+    c->kind = CLOSURE_BSDF;
+    c->bsdf = bsdf_kind_find(name);
+    assert_non_null(c->bsdf);
+    memcpy(c->number, bsdf_kind_signature(c->bsdf)->number_defaults, sizeof c->number);
+    return c;
+}
+
+/* The place of an input among the kind's names. */
+static int place(const struct closure *c, const char *name)
+{
+    const struct bsdf_signature *signature = bsdf_kind_signature(c->bsdf);
+    for (int i = 0; i < CLOSURE_COLORS && signature->color_names[i]; i++)
+        if (strcmp(signature->color_names[i], name) == 0)
+            return i;
+    for (int i = 0; i < CLOSURE_VALUES && signature->value_names[i]; i++)
+        if (strcmp(signature->value_names[i], name) == 0)
+            return i;
+    for (int i = 0; i < 4 && signature->number_names[i]; i++)
+        if (strcmp(signature->number_names[i], name) == 0)
+            return i;
+    for (int i = 0; i < 4 && signature->option_names[i]; i++)
+        if (strcmp(signature->option_names[i], name) == 0)
+            return i;
+    fail_msg("no input '%s'", name);
+    return -1;
+}
+
+struct closure *box_diffuse(struct range range, float reflectance)
+{
+    struct closure *c = bsdf("diffuse");
+    c->color[place(c, "reflectance")] = flat(range, reflectance);
+    return c;
+}
+
+struct closure *box_fluorescent(struct range range, float concentration, float energy_yield)
+{
+    struct closure *c = bsdf("fluorescent");
+    struct value_node *value = calloc(1, sizeof *value);
+    value->constant = concentration;
+    c->color[place(c, "reflectance")] = flat(range, 0.7f);
+    c->color[place(c, "absorption")] = bell(range, 450, 60, 0.9);
+    c->color[place(c, "emission")] = bell(range, 590, 30, 1);
+    c->value[place(c, "concentration")] = value;
+    c->number[place(c, "yield")] = energy_yield;
+    const struct bsdf_signature *signature = bsdf_kind_signature(c->bsdf);
+    int kind = place(c, "yield_kind");
+    while (strcmp(signature->option_choices[kind][c->option[kind]], "energy") != 0)
+        c->option[kind]++;
+    return c;
+}
+
+struct closure *box_glass(double n_d, double abbe)
+{
+    struct closure *c = bsdf("dielectric");
+    c->ior = (struct ior){IOR_ABBE, {n_d, abbe}};
+    return c;
+}
+
+struct closure *box_lamp(struct range range, float radiance_per_nm)
+{
+    struct closure *c = calloc(1, sizeof *c);
+    c->kind = CLOSURE_EMISSION;
+    c->emission = calloc(1, sizeof *c->emission);
+    c->emission->spectrum = spectrum_constant(range, radiance_per_nm);
+    c->emission->scale = 1;
+    return c;
+}
+
+static void add_instance(struct scene *scene, const char *mesh, const char *material)
+{
+    static const float identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    stokes_error err;
+    struct instances_input instances = {.name = mesh,
+                                        .mesh = mesh,
+                                        .materials = &material,
+                                        .material_count = 1,
+                                        .transforms = identity,
+                                        .transform_count = 1,
+                                        .visible = {true, true, true, true, true}};
+    expect(scene_add_instances(scene, &instances, &err), &err);
+}
+
+void box_add_quad(struct scene *scene, const char *name, const char *material, const float corners[4][3])
+{
+    static const uint32_t triangles[6] = {0, 1, 2, 0, 2, 3};
+    stokes_error err;
+    struct mesh_input mesh = {.name = name,
+                              .positions = corners[0],
+                              .vertex_count = 4,
+                              .triangles = triangles,
+                              .triangle_count = 2};
+    expect(scene_add_mesh(scene, &mesh, &err), &err);
+    add_instance(scene, name, material);
+}
+
+void box_add_sphere(struct scene *scene, const char *name, const char *material, const float center[3],
+                    float radius)
+{
+    enum { AROUND = 48, DOWN = 24, VERTICES = (DOWN + 1) * AROUND };
+    static float positions[VERTICES][3];
+    static uint32_t triangles[2 * AROUND * DOWN][3], corners[2 * AROUND * DOWN][3];
+    static float normals[VERTICES][3];
+    size_t count = 0;
+    for (int i = 0; i <= DOWN; i++)
+        for (int j = 0; j < AROUND; j++) {
+            float theta = PI_F * (float)i / DOWN, phi = 2 * PI_F * (float)j / AROUND;
+            float n[3] = {sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta)};
+            for (int k = 0; k < 3; k++) {
+                normals[i * AROUND + j][k] = n[k];
+                positions[i * AROUND + j][k] = center[k] + radius * n[k];
+            }
+        }
+    for (uint32_t i = 0; i < DOWN; i++)
+        for (uint32_t j = 0; j < AROUND; j++) {
+            uint32_t a = i * AROUND + j, b = i * AROUND + (j + 1) % AROUND, c = a + AROUND, d = b + AROUND;
+            if (i > 0)
+                memcpy(triangles[count++], (uint32_t[3]){a, c, b}, sizeof *triangles);
+            if (i < DOWN - 1)
+                memcpy(triangles[count++], (uint32_t[3]){b, c, d}, sizeof *triangles);
+        }
+    memcpy(corners, triangles, sizeof corners);
+    stokes_error err;
+    struct mesh_input mesh = {.name = name,
+                              .positions = positions[0],
+                              .vertex_count = VERTICES,
+                              .triangles = triangles[0],
+                              .triangle_count = count,
+                              .corners = corners[0],
+                              .corner_normals = normals[0],
+                              .corner_count = VERTICES};
+    expect(scene_add_mesh(scene, &mesh, &err), &err);
+    add_instance(scene, name, material);
+}
+
+static void add_walls(struct scene *scene)
+{
+    static const struct {
+        const char *name, *material;
+        float corners[4][3];
+    } walls[] = {
+        {"floor", "dye", {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}},
+        {"ceiling", "grey", {{-1, -1, 1}, {-1, 1, 1}, {1, 1, 1}, {1, -1, 1}}},
+        {"left", "grey", {{-1, -1, -1}, {-1, 1, -1}, {-1, 1, 1}, {-1, -1, 1}}},
+        {"right", "dye", {{1, -1, -1}, {1, -1, 1}, {1, 1, 1}, {1, 1, -1}}},
+        {"back", "grey", {{-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}}},
+        {"front", "grey", {{-1, -1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, -1, -1}}},
+    };
+    for (size_t i = 0; i < sizeof walls / sizeof *walls; i++)
+        box_add_quad(scene, walls[i].name, walls[i].material, walls[i].corners);
+}
+
+static void add_camera(struct scene *scene, int pixels)
+{
+    /* Looks along +y: columns of the rotation are the camera's x, y, z axes in the world. */
+    struct camera_input camera = {.transform = {{1, 0, 0, 0, 0, 0, -1, -0.9f, 0, 1, 0, 0}},
+                                  .frame = {-0.9f, 0.9f, -0.9f, 0.9f},
+                                  .resolution = {pixels, pixels},
+                                  .border = {0, 0, pixels, pixels},
+                                  .clip = {0.01f, 100},
+                                  .aspect = 1};
+    stokes_error err;
+    expect(scene_set_camera(scene, &camera, &err), &err);
+}
+
+struct scene *box_scene(struct range range, bool lenses, int pixels)
+{
+    static const float lamp[4][3] = {
+        {-0.15f, -0.15f, 0.5f}, {-0.15f, 0.15f, 0.5f}, {0.15f, 0.15f, 0.5f}, {0.15f, -0.15f, 0.5f}};
+    struct scene *scene = scene_create();
+    stokes_error err;
+    expect(scene_add_material(scene, "grey", box_diffuse(range, 0.6f), &err), &err);
+    expect(scene_add_material(scene, "dye", box_fluorescent(range, 0.8f, 0.8f), &err), &err);
+    expect(scene_add_material(scene, "glass", box_glass(1.5, 20), &err), &err);
+    expect(scene_add_material(scene, "lamp", box_lamp(range, 0.1f), &err), &err);
+    add_walls(scene);
+    add_camera(scene, pixels);
+    box_add_quad(scene, "lamp", "lamp", lamp);
+    box_add_sphere(scene, "ball", "glass", lenses ? (float[3]){0, 0, 0.5f} : (float[3]){0.3f, 0.3f, -0.5f},
+                   lenses ? 0.35f : 0.4f);
+    struct scene_setup setup = {.range = range, .uv_rule = UV_HOLD, .threads = 1};
+    working_space_rec709(&setup.working_space);
+    expect(scene_commit(scene, &setup, &err), &err);
+    return scene;
+}

@@ -1,0 +1,24 @@
+/* Small scenes for the tests of integrators: boxes and spheres of given materials, built through scene/build.h. */
+#ifndef BOXES_H
+#define BOXES_H
+
+#include "base/error.h"
+#include "scene/build.h"
+
+/* Closures; each call makes a new tree that the scene takes. Spectra are over `range`. */
+struct closure *box_diffuse(struct range, float reflectance);
+/* A dye that absorbs in the blue and shines in the orange, over a grey. */
+struct closure *box_fluorescent(struct range, float concentration, float energy_yield);
+struct closure *box_glass(double n_d, double abbe);
+struct closure *box_lamp(struct range, float radiance_per_nm);
+
+/* Adds a mesh and one instance of it. */
+void box_add_quad(struct scene *, const char *name, const char *material, const float corners[4][3]);
+void box_add_sphere(struct scene *, const char *name, const char *material, const float center[3],
+                    float radius);
+
+/* A closed unit box, floor and right wall fluorescent, the rest grey, a square lamp under the ceiling, the camera in the middle of
+   the front. With `lenses`, the lamp hangs inside a ball of dispersive glass. Committed. */
+struct scene *box_scene(struct range, bool lenses, int pixels);
+
+#endif

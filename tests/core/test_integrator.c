@@ -1,0 +1,175 @@
+/* Integrators: the weights are a partition of unity, and every technique delivers what its density claims (exact.md §5). */
+#include "boxes.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "integrator/mis.h"
+#include "statistics.h"
+
+#include <cmocka.h>
+
+static const struct range range = {300, 830};
+
+/* --- Weights ---------------------------------------------------------------------------------------------- */
+
+static double uniform(uint32_t path, uint32_t dimension)
+{
+    return random_at(random_path(7, path, 0), dimension);
+}
+
+/* A path of random densities and labels; specular vertices included. */
+static void random_full_path(const struct light_point *light, uint32_t seed, struct full_path *path)
+{
+    path->edges = 2 + (int)(uniform(seed, 0) * 7);
+    path->pdf_point = exp(4 * uniform(seed, 1) - 2);
+    path->half_width_nm = 20;
+    path->light = light;
+    for (int i = 0; i <= path->edges; i++) {
+        uint32_t at = 10 + 8 * (uint32_t)i;
+        path->step[i] = (struct full_step){.fwd = exp(8 * uniform(seed, at) - 4),
+                                           .rev = exp(8 * uniform(seed, at + 1) - 4),
+                                           .geometry = exp(4 * uniform(seed, at + 2) - 2),
+                                           .lambda = 550 + 80 * (float)uniform(seed, at + 3),
+                                           .label = (enum label)(3 * uniform(seed, at + 4)),
+                                           .dye = 0};
+    }
+}
+
+static void weights_are_the_plain_products_and_sum_to_one(void **state)
+{
+    (void)state;
+    struct scene *scene = box_scene(range, false, 8);
+    int border[4] = {0, 0, 8, 8};
+    struct film *film = film_create(8, 8, border, 0, range, NULL);
+    struct integrator_settings settings = integrator_settings_default();
+    struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
+    struct light_point light;
+    float pdf;
+    assert_non_null(it);
+    assert_true(scene_sample_light(scene, (float[3]){0.5f, 0.5f, 0.5f}, &light, &pdf));
+    for (uint32_t seed = 0; seed < 2000; seed++) {
+        struct full_path path;
+        random_full_path(&light, seed, &path);
+        double densities = 0, weights = 0;
+        for (int cut = 0; cut <= path.edges; cut++)
+            densities += mis_cut_density(it, &path, cut);
+        for (path.cut = 0; path.cut <= path.edges; path.cut++) {
+            double density = mis_cut_density(it, &path, path.cut);
+            if (density == 0)
+                continue;
+            double weight = mis_weight(it, &path);
+            assert_float_equal(weight, density / densities, 1e-9);
+            weights += weight;
+        }
+        assert_float_equal(weights, 1, 1e-9);
+    }
+    integrator_destroy(it);
+    film_destroy(film);
+    scene_destroy(scene);
+}
+
+/* --- Densities -------------------------------------------------------------------------------------------- */
+
+enum { EDGES = 5, CUTS = EDGES + 1, CLASSES = 3, CELLS = (EDGES + 1) * CUTS * CLASSES, BATCHES = 32 };
+
+/* What technique (path length, cut) gave itself, and what its density claims of everybody's samples. */
+struct ledger {
+    const struct integrator *it;
+    double delivered[CELLS], claimed[CELLS];
+};
+
+static int cell(const struct full_path *path, int cut)
+{
+    int dyes = 0;
+    for (int i = 1; i < path->edges; i++)
+        dyes += path->step[i].label == LABEL_FLUORESCENT;
+    return (path->edges * CUTS + cut) * CLASSES + (dyes < CLASSES ? dyes : CLASSES - 1);
+}
+
+static void enter(void *observer, const struct full_path *path, double value)
+{
+    struct ledger *ledger = observer;
+    double densities = 0, density[CUTS];
+    for (int cut = 0; cut <= path->edges; cut++)
+        densities += density[cut] = mis_cut_density(ledger->it, path, cut);
+    ledger->delivered[cell(path, path->cut)] += value;
+    for (int cut = 0; cut <= path->edges; cut++)
+        ledger->claimed[cell(path, cut)] += value * density[cut] / densities;
+}
+
+/* Runs BATCHES independent batches and asserts that each cell's surplus has expectation zero. */
+static void assert_techniques_deliver(bool lenses, int samples, double sees_error)
+{
+    enum { PIXELS = 16 };
+    struct scene *scene = box_scene(range, lenses, PIXELS);
+    int border[4] = {0, 0, PIXELS, PIXELS};
+    struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
+    struct integrator_settings settings = integrator_settings_default();
+    settings.d0_nm = 4;
+    settings.shrink = 0;
+    settings.max_path = EDGES;
+    struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
+    assert_non_null(it);
+    static struct batches delivered[CELLS], claimed[CELLS], surplus[CELLS];
+    memset(surplus, 0, sizeof surplus);
+    memset(delivered, 0, sizeof delivered);
+    memset(claimed, 0, sizeof claimed);
+    it->observe = enter;
+    for (int batch = 0; batch < BATCHES; batch++) {
+        struct ledger ledger = {.it = it};
+        it->observer = &ledger;
+        for (int sample = 0; sample < samples; sample++)
+            for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++)
+                integrator_sample(it, 0, pixel % PIXELS, pixel / PIXELS, batch * samples + sample);
+        for (int i = 0; i < CELLS; i++) {
+            batches_add(&surplus[i], (ledger.delivered[i] - ledger.claimed[i]) / samples);
+            batches_add(&delivered[i], ledger.delivered[i] / samples);
+            batches_add(&claimed[i], ledger.claimed[i] / samples);
+        }
+    }
+    double total = 0;
+    for (int i = 0; i < CELLS; i++)
+        total += delivered[i].mean;
+    struct power power = {.sees_error = sees_error, .scale = total};
+    bool fine = true;
+    for (int i = 0; i < CELLS; i++) {
+        if (delivered[i].mean == 0 && claimed[i].mean == 0)
+            continue;
+        struct finding found = batches_against(&surplus[i], 0, power, CELLS);
+        if (getenv("STOKES_TEST_VERBOSE") || !found.agrees || !found.powerful)
+            print_message(
+                "edges %d, cut %d, dyes %d: delivers %.5g, claims %.5g of %.5g (z %.2f, sees %.2g)\n",
+                i / CUTS / CLASSES, i / CLASSES % CUTS, i % CLASSES, delivered[i].mean, claimed[i].mean,
+                total, found.z, found.sees);
+        fine &= found.agrees && found.powerful;
+    }
+    integrator_destroy(it);
+    film_destroy(film);
+    scene_destroy(scene);
+    assert_true(fine);
+}
+
+static void techniques_deliver_what_they_claim_in_the_open(void **state)
+{
+    (void)state;
+    assert_techniques_deliver(false, 8, 0.01);
+}
+
+static void techniques_deliver_what_they_claim_with_the_lamp_in_glass(void **state)
+{
+    (void)state;
+    assert_techniques_deliver(true, 8, 0.02);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(weights_are_the_plain_products_and_sum_to_one),
+        cmocka_unit_test(techniques_deliver_what_they_claim_in_the_open),
+        cmocka_unit_test(techniques_deliver_what_they_claim_with_the_lamp_in_glass),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
