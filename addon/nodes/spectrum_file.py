@@ -1,0 +1,115 @@
+"""Measured Spectrum: a table from a CSV or SPD file. What was read stays in the .blend file."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+
+from . import library
+from .base import COLOR_OUT, NodeKind, on_change, unit_property
+
+KINDS = (
+    ('REFLECTANCE', "Reflectance", "Held constant beyond the ends of the table"),
+    ('ABSORPTION', "Absorption", "The share of light taken in; zero beyond the ends of the table"),
+    ('EMISSION', "Emission", "A light or a glow; zero beyond the ends of the table"),
+)
+
+
+class SpectrumFileError(Exception):
+    pass
+
+
+def parse(text, column=1):
+    """[(nm, value)] in ascending order from lines of numbers parted by commas, semicolons or blanks.
+    Lines that do not begin with a number are titles."""
+    table = []
+    for number, line in enumerate(text.splitlines(), 1):
+        words = line.replace(",", " ").replace(";", " ").split()
+        try:
+            nm = float(words[0])
+        except (ValueError, IndexError):
+            continue
+        try:
+            table.append((nm, float(words[column])))
+        except (ValueError, IndexError):
+            raise SpectrumFileError("line %d: no number in column %d" % (number, column + 1)) from None
+    if len(table) < 2:
+        raise SpectrumFileError("needs at least two lines of wavelength and value")
+    table.sort()
+    for (x0, _y0), (x1, _y1) in zip(table, table[1:]):
+        if x0 == x1:
+            raise SpectrumFileError("wavelength %g stands twice" % x0)
+    if not all(abs(number) < 1e30 for row in table for number in row):
+        raise SpectrumFileError("a value is not finite")
+    return table
+
+
+def _read(self, context):
+    self.problem = ""
+    self.data = ""
+    if self.filepath:
+        try:
+            with open(bpy.path.abspath(self.filepath), encoding="utf-8-sig", errors="replace") as source:
+                table = parse(source.read(), self.column)
+            self.data = " ".join("%.9g %.9g" % row for row in table)
+        except (OSError, SpectrumFileError) as error:
+            self.problem = getattr(error, "strerror", None) or str(error)
+    on_change(self, context)
+
+
+class StokesSpectrumFileSettings(bpy.types.PropertyGroup):
+    filepath: StringProperty(
+        name="File", subtype='FILE_PATH', update=_read,
+        description="Lines of a wavelength in nm and a value, parted by commas, semicolons or blanks")
+    column: IntProperty(
+        name="Column", description="Which column holds the values; the wavelengths are column 0",
+        default=1, min=1, max=1000, update=_read)
+    kind: EnumProperty(name="Holds", description="What the numbers are", items=KINDS, default='REFLECTANCE',
+                       update=on_change)
+    percent: BoolProperty(name="Percent", description="100 in the file means all of the light",
+                          default=False, update=on_change)
+    data: StringProperty(name="Data", description="What was read from the file")
+    problem: StringProperty(name="Problem", description="Why the file could not be read")
+    unit: unit_property()
+
+
+class SpectrumFile(NodeKind):
+    name = "spectrum_file"
+    label = "Measured Spectrum"
+    tooltip = "A spectrum of your own, from a CSV or SPD file"
+    category = 'SPECTRUM'
+    outputs = (COLOR_OUT,)
+    Settings = StokesSpectrumFileSettings
+
+    def title(self, settings):
+        if not settings.filepath:
+            return self.label
+        return bpy.path.display_name_from_filepath(settings.filepath)
+
+    def build(self, inside, settings):
+        values = curve(settings)
+        color = library.emitted(values) if settings.kind == 'EMISSION' else library.reflected(values)
+        inside.result(inside.rgb(color))
+
+    def draw(self, layout, settings, node):
+        layout.prop(settings, "filepath")
+        if settings.problem:
+            layout.label(text=settings.problem, icon='ERROR')
+        layout.prop(settings, "column")
+        layout.prop(settings, "kind")
+        if settings.kind == 'EMISSION':
+            layout.prop(settings, "unit")
+        else:
+            layout.prop(settings, "percent")
+
+
+def table_of(settings):
+    """[(nm, value)], empty if nothing was read."""
+    numbers = [float(word) for word in settings.data.split()]
+    scale = 0.01 if settings.percent and settings.kind != 'EMISSION' else 1.0
+    return [(nm, scale * value) for nm, value in zip(numbers[::2], numbers[1::2])]
+
+
+def curve(settings):
+    return library.on_grid(table_of(settings), settings.kind == 'REFLECTANCE')
+
+
+KIND = SpectrumFile()
