@@ -2,6 +2,7 @@
 VARIANT ?= release
 BUILD    = build/$(VARIANT)
 PYTHON  ?= python3
+BLENDER ?= blender
 
 # -ffp-contract=off: the same arithmetic from every compiler, so that images keep their bits.
 FLAGS.release  = -O2 -g -fno-math-errno -fno-trapping-math -ffp-contract=off
@@ -23,7 +24,12 @@ CLI       = $(patsubst %.c,$(BUILD)/%.o,$(wildcard csrc/cli/*.c))
 TESTS     = $(patsubst tests/core/test_%.c,$(BUILD)/tests/test_%,$(wildcard tests/core/test_*.c))
 TEST_AIDS = $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/core/test_%,$(wildcard tests/core/*.c)))
 
-.PHONY: all demo test test-long help deps core check-core clean fuzz
+VENV  = build/venv
+DEMO  = build/demo
+RESOLUTION ?= 512 512
+SAMPLES ?= 64
+
+.PHONY: all core demo test test-core test-long deps clean help
 .SECONDARY:
 all: core
 
@@ -53,6 +59,28 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/core/test_%.o $(TEST_AIDS) $(BUILD)/libsto
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS.$(VARIANT)) -o $@ $^ -lcmocka $(LIBS)
 -include $(OBJECTS:.o=.d) $(CLI:.o=.d) $(TESTS:$(BUILD)/tests/%=$(BUILD)/tests/core/%.d)
+
+demo: core ## render the fluorescent spheres through headless Blender into build/demo
+	$(BLENDER) -b --factory-startup --python-exit-code 1 --python test_scenes/spheres.py -- \
+	    --output $(DEMO) --resolution $(RESOLUTION) --samples $(SAMPLES)
+	@ls -l $(DEMO)
+
+test: core test-core $(VENV)/.done ## everything that must hold: the core's rooms, the add-on, whole renders
+	$(VENV)/bin/python -m pytest -q -rs tests
+
+test-long: core $(VENV)/.done ## the same answers with ten times the precision
+	$(VENV)/bin/python -m pytest -q -rs -m long tests
+
+test-core: deps
+	@$(MAKE) --no-print-directory $(TESTS)
+	@for test in $(TESTS); do echo "== $$test"; $$test || exit 1; done
+
+$(VENV)/.done: tests/requirements.txt
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check -r $<
+	@touch $@
+
+-include tests/fuzz/fuzz.mk addon/addon.mk tests/bench/bench.mk
 
 clean: ## remove everything built
 	rm -rf build
