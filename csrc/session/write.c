@@ -40,9 +40,9 @@ static bool write_exr(const stokes_session *session, const char *path, stokes_er
     describe_settings(&session->rendered, settings, sizeof settings);
     snprintf(seed, sizeof seed, "%" PRIu32, session->rendered.integrator.seed);
     const struct film_note notes[] = {
-        {"stokes:version", STOKES_VERSION},     {"stokes:instructionSet", instruction_set()},
-        {"stokes:settings", settings},          {"stokes:seed", seed},
-        {"stokes:workingSpace", session->color.name}, {"stokes:fingerprint", session->fingerprint},
+        {"version", STOKES_VERSION},     {"instructionSet", instruction_set()},
+        {"settings", settings},          {"seed", seed},
+        {"workingSpace", session->color.name}, {"fingerprint", session->fingerprint},
     };
     return film_write_exr(session->film, &session->color.working_space, notes, sizeof notes / sizeof *notes, path, err);
 }

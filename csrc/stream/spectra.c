@@ -1,0 +1,251 @@
+/* S: spectra from JSON, compiled over the session's Λ as they come. */
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "stream/expressions.h"
+
+#define LAMBDA_MAX_NM 1e6
+#define KNOTS_MAX ((size_t)1 << 20)
+
+struct range message_range(const struct message *message)
+{
+    const struct integrator_settings *s = &message->session->settings.integrator;
+    return (struct range){s->lambda_min, s->lambda_max};
+}
+
+struct spectrum *rgb_spectrum(struct message *message, const float rgb[3])
+{
+    const stokes_session *session = message->session;
+    bool outside = false;
+    struct spectrum *spectrum = spectrum_rgb(message_range(message), &session->color.working_space, rgb,
+                                             session->settings.uv_rule, &outside);
+    message->colors_outside += outside;
+    return spectrum;
+}
+
+/* Constructors outside this room know neither message nor member: what they say is put behind the place. */
+static struct spectrum *or_fail(const struct place *place, struct spectrum *spectrum, const stokes_error *why)
+{
+    if (!spectrum)
+        place_fail(place, "%s%s%s", why->property, *why->property ? ": " : "", *why->text ? why->text : "out of memory");
+    return spectrum;
+}
+
+/* --- Forms ------------------------------------------------------------------------------------------------- */
+
+static struct spectrum *read_constant(const struct place *place)
+{
+    double value;
+    stokes_error why = {0};
+    if (!read_number(place, -FLT_MAX, FLT_MAX, &value))
+        return NULL;
+    return or_fail(place, spectrum_constant(message_range(place->message), (float)value), &why);
+}
+
+static struct spectrum *read_rgb(const struct place *place)
+{
+    float rgb[3];
+    stokes_error why = {0};
+    if (!read_floats(place, rgb, 3))
+        return NULL;
+    return or_fail(place, rgb_spectrum(place->message, rgb), &why);
+}
+
+/* Numbers in JSON, or a blob of f32; *owned is to be freed. */
+static bool read_numbers(const struct place *place, const float **values, size_t *count, float **owned)
+{
+    *owned = NULL;
+    if (place->value && json_is_object(place->value)) {
+        const void *data;
+        if (!read_blob(place, sizeof(float), &data, count))
+            return false;
+        *values = data;
+    } else {
+        if (!place_is(place, JSON_ARRAY))
+            return false;
+        *count = json_array_size(place->value);
+        *values = *owned = malloc((*count + 1) * sizeof(float));
+        if (!*owned)
+            return place_fail(place, "out of memory");
+        if (!read_floats(place, *owned, *count))
+            return false;
+    }
+    return *count <= KNOTS_MAX || place_fail(place, "has %zu numbers; at most %zu are taken", *count, KNOTS_MAX);
+}
+
+static struct spectrum *read_table(const struct place *place, enum beyond beyond)
+{
+    struct place lambda = place_member(place, "lambda"), value = place_member(place, "value");
+    const float *lambdas, *values;
+    float *own_lambdas = NULL, *own_values = NULL;
+    size_t count = 0, value_count = 0;
+    struct spectrum *spectrum = NULL;
+    stokes_error why = {0};
+    if (place_is(place, JSON_OBJECT) && read_numbers(&lambda, &lambdas, &count, &own_lambdas) &&
+        read_numbers(&value, &values, &value_count, &own_values)) {
+        if (count != value_count || count < 1)
+            place_fail(place, "has %zu wavelengths and %zu values", count, value_count);
+        else
+            spectrum = or_fail(place,
+                               spectrum_table(message_range(place->message), lambdas, values, count, beyond, "table", &why),
+                               &why);
+    }
+    free(own_lambdas);
+    free(own_values);
+    return spectrum;
+}
+
+static struct spectrum *read_kelvin(const struct place *place,
+                                    struct spectrum *make(struct range, double, const char *, stokes_error *))
+{
+    double kelvin;
+    stokes_error why = {0};
+    if (!read_number(place, 1, 1e6, &kelvin))
+        return NULL;
+    return or_fail(place, make(message_range(place->message), kelvin, place->key, &why), &why);
+}
+
+static struct spectrum *read_named(const struct place *place,
+                                   struct spectrum *make(struct range, const char *, const char *, stokes_error *))
+{
+    const char *name;
+    stokes_error why = {0};
+    if (!read_text(place, &name))
+        return NULL;
+    return or_fail(place, make(message_range(place->message), name, place->key, &why), &why);
+}
+
+static struct spectrum *read_gaussian(const struct place *place)
+{
+    static const struct field fields[] = {
+        {"mean", FIELD_DOUBLE, true, 0, 0, 0, LAMBDA_MAX_NM},
+        {"sigma", FIELD_DOUBLE, true, sizeof(double), 0, 1e-3, LAMBDA_MAX_NM},
+        {"peak", FIELD_DOUBLE, false, 2 * sizeof(double), 0, -FLT_MAX, FLT_MAX},
+    };
+    double g[3] = {0, 0, 1};
+    stokes_error why = {0};
+    if (!place_is(place, JSON_OBJECT) || !read_fields(place, fields, 3, g))
+        return NULL;
+    return or_fail(place, spectrum_gaussian(message_range(place->message), g[0], g[1], g[2], "gaussian", &why), &why);
+}
+
+static struct spectrum *read_line(const struct place *place)
+{
+    static const struct field fields[] = {
+        {"center", FIELD_DOUBLE, true, 0, 0, 0, LAMBDA_MAX_NM},
+        {"width", FIELD_DOUBLE, true, sizeof(double), 0, 1, LAMBDA_MAX_NM},
+    };
+    double line[2];
+    stokes_error why = {0};
+    if (!place_is(place, JSON_OBJECT) || !read_fields(place, fields, 2, line))
+        return NULL;
+    return or_fail(place, spectrum_line(message_range(place->message), line[0], line[1], "line", &why), &why);
+}
+
+static struct spectrum *read_scaled(const struct place *place, enum beyond beyond, int depth)
+{
+    struct place factor = place_member(place, "scale"), of = place_member(place, "of");
+    double scale;
+    stokes_error why = {0};
+    if (!read_number(&factor, -FLT_MAX, FLT_MAX, &scale))
+        return NULL;
+    struct spectrum *inner = read_spectrum(&of, beyond, depth - 1);
+    struct spectrum *scaled = inner ? or_fail(place, spectrum_scaled(inner, (float)scale), &why) : NULL;
+    spectrum_destroy(inner);
+    return scaled;
+}
+
+static struct spectrum *read_list(const struct place *place, enum beyond beyond, int depth,
+                                  struct spectrum *join(const struct spectrum *, const struct spectrum *))
+{
+    if (!place_is(place, JSON_ARRAY))
+        return NULL;
+    size_t count = json_array_size(place->value);
+    struct spectrum *all = NULL;
+    stokes_error why = {0};
+    if (count == 0)
+        place_fail(place, "is empty");
+    for (size_t i = 0; i < count; i++) {
+        struct place element = place_element(place, i);
+        struct spectrum *next = read_spectrum(&element, beyond, depth - 1);
+        struct spectrum *joined = next && all ? or_fail(&element, join(all, next), &why) : NULL;
+        if (i == 0) {
+            all = next;
+        } else {
+            spectrum_destroy(next);
+            spectrum_destroy(all);
+            all = joined;
+        }
+        if (!all)
+            return NULL;
+    }
+    return all;
+}
+
+struct spectrum *read_spectrum(const struct place *place, enum beyond beyond, int depth)
+{
+    if (place->value && json_is_number(place->value))
+        return read_constant(place);
+    if (!place_is(place, JSON_OBJECT))
+        return NULL;
+    if (depth <= 0) {
+        place_fail(place, "is nested too deeply");
+        return NULL;
+    }
+    static const char *const forms[] = {"rgb",  "table",   "blackbody", "illuminant", "daylight", "gaussian",
+                                        "line", "library", "scale",     "sum",        "product"};
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        struct place inner = place_member(place, forms[i]);
+        if (!inner.value)
+            continue;
+        switch (i) {
+        case 0: return read_rgb(&inner);
+        case 1: return read_table(&inner, beyond);
+        case 2: return read_kelvin(&inner, spectrum_blackbody);
+        case 3: return read_named(&inner, spectrum_illuminant);
+        case 4: return read_kelvin(&inner, spectrum_daylight);
+        case 5: return read_gaussian(&inner);
+        case 6: return read_line(&inner);
+        case 7: return read_named(&inner, spectrum_library);
+        case 8: return read_scaled(place, beyond, depth);
+        case 9: return read_list(&inner, beyond, depth, spectrum_sum);
+        case 10: return read_list(&inner, beyond, depth, spectrum_product);
+        }
+    }
+    place_fail(place, place_has(place, "texture") ? "cannot vary over the surface here"
+                                                  : "is no spectrum (rgb, table, blackbody, illuminant, …)");
+    return NULL;
+}
+
+/* --- Where a BSDF takes a colour ---------------------------------------------------------------------------- */
+
+struct color_node *read_color(const struct place *place, enum beyond beyond, int depth)
+{
+    struct place texture = place_member(place, "texture"), of = place_member(place, "of");
+    struct color_node *color = NULL;
+    bool scaled = place_has(place, "scale") && (place_has(&of, "texture") || place_has(&of, "scale"));
+    if (depth <= 0) {
+        place_fail(place, "is nested too deeply");
+    } else if (scaled) { /* k times a texture, maybe: the factor stays beside it */
+        struct place factor = place_member(place, "scale");
+        double scale;
+        if (!read_number(&factor, -FLT_MAX, FLT_MAX, &scale) || !(color = read_color(&of, beyond, depth - 1)))
+            return NULL;
+        color->scale *= (float)scale;
+    } else if ((color = calloc(1, sizeof *color))) {
+        color->scale = 1;
+        if (texture.value)
+            color->texture = read_texture(&texture);
+        else
+            color->spectrum = read_spectrum(place, beyond, depth);
+        if (!color->texture && !color->spectrum) {
+            color_node_destroy(color);
+            color = NULL;
+        }
+    } else {
+        place_fail(place, "out of memory");
+    }
+    return color;
+}
