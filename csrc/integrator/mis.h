@@ -1,4 +1,4 @@
-/* Multiple importance sampling: the balance heuristic over all cuts of one labelled path (algorithm.md §6, exact.md §1). */
+/* Multiple importance sampling: the balance heuristic over all cuts of one labelled path (algorithm.md §6, algorithm.md §7). */
 #ifndef INTEGRATOR_MIS_H
 #define INTEGRATOR_MIS_H
 

@@ -1,6 +1,6 @@
 /* Paths: vertices, sub-paths, and what one worker needs to trace them.
 
-   A path is x_0 (light) … x_K (camera); edge i lies between x_{i-1} and x_i (exact.md §1). The camera sub-path holds
+   A path is x_0 (light) … x_K (camera); edge i lies between x_{i-1} and x_i (algorithm.md §7). The camera sub-path holds
    x_K, x_{K-1}, … and the light sub-path x_0, x_1, …, each in the order in which it was traced: `prev` and `next` are meant
    that way. Densities are per projected solid angle, so a step's density over area is pdf × the edge's geometry term. */
 #ifndef INTEGRATOR_PATH_H
@@ -84,7 +84,7 @@ struct integrator {
     int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
     int worker_count;
     struct worker *worker;
-    /* For tests: told of every contribution (density tests, exact.md §5). NULL otherwise. */
+    /* For tests: told of every contribution (density tests, algorithm.md §8). NULL otherwise. */
     void (*observe)(void *observer, const struct full_path *, double value);
     void *observer;
 };

@@ -1,5 +1,5 @@
 /* The wavelength densities of a scene: p_cam, and tables of products e·ã over pairs of what emits into a run (lights,
-   fluorophores) and what takes from it (fluorophores, the camera) — O_YX of exact.md §2. */
+   fluorophores) and what takes from it (fluorophores, the camera) — O of algorithm.md §5. */
 #ifndef INTEGRATOR_WAVELENGTHS_H
 #define INTEGRATOR_WAVELENGTHS_H
 

@@ -1,4 +1,4 @@
-/* Integrators: the weights are a partition of unity, and every technique delivers what its density claims (exact.md §5). */
+/* Integrators: the weights are a partition of unity, and every technique delivers what its density claims (algorithm.md §8). */
 #include "boxes.h"
 
 #include <setjmp.h>
