@@ -17,15 +17,16 @@ static bool check_size(int full_width, int full_height, const int border[4], int
 {
     if (full_width < 1 || full_height < 1 || (uint64_t)full_width * (uint64_t)full_height > PIXELS_MAX)
         return fail(err, "film", "resolution", "%d × %d is not a picture", full_width, full_height);
-    if (border[0] < 0 || border[1] < 0 || border[2] > full_width || border[3] > full_height || border[0] >= border[2] ||
-        border[1] >= border[3])
-        return fail(err, "film", "border", "[%d, %d, %d, %d] is no rectangle inside %d × %d", border[0], border[1],
-                    border[2], border[3], full_width, full_height);
+    if (border[0] < 0 || border[1] < 0 || border[2] > full_width || border[3] > full_height ||
+        border[0] >= border[2] || border[1] >= border[3])
+        return fail(err, "film", "border", "[%d, %d, %d, %d] is no rectangle inside %d × %d", border[0],
+                    border[1], border[2], border[3], full_width, full_height);
     if (bins < 0 || bins > FILM_BINS_MAX)
         return fail(err, "film", "spectral_bins", "%d is outside 0 … %d", bins, FILM_BINS_MAX);
     if (bins && !(isfinite(bin_range.min) && isfinite(bin_range.max) && bin_range.min > 0 &&
                   bin_range.min < bin_range.max))
-        return fail(err, "film", "spectral_bins", "[%g, %g] nm is no range", (double)bin_range.min, (double)bin_range.max);
+        return fail(err, "film", "spectral_bins", "[%g, %g] nm is no range", (double)bin_range.min,
+                    (double)bin_range.max);
     return true;
 }
 
@@ -34,8 +35,8 @@ static size_t sum_count(const struct film *film)
     return (size_t)film->width * (size_t)film->height * (size_t)film->channels;
 }
 
-struct film *film_create(int full_width, int full_height, const int border[4], int bins, struct range bin_range,
-                         stokes_error *err)
+struct film *film_create(int full_width, int full_height, const int border[4], int bins,
+                         struct range bin_range, stokes_error *err)
 {
     if (!check_size(full_width, full_height, border, bins, bin_range, err))
         return NULL;
@@ -53,8 +54,8 @@ struct film *film_create(int full_width, int full_height, const int border[4], i
         film->sum = calloc(sum_count(film), sizeof *film->sum); /* < 2^32 · 2^13: no overflow */
     }
     if (!film || !film->sum) {
-        fail(err, "film", "resolution", "no memory for %d × %d pixels with %d spectral bins", border[2] - border[0],
-             border[3] - border[1], bins);
+        fail(err, "film", "resolution", "no memory for %d × %d pixels with %d spectral bins",
+             border[2] - border[0], border[3] - border[1], bins);
         film_destroy(film);
         return NULL;
     }
@@ -96,7 +97,8 @@ void film_sample_clear(const struct film *film, struct film_sample *sample)
         memset(sample->bin, 0, (size_t)film->bins * sizeof *sample->bin);
 }
 
-void film_sample_add(const struct film *film, struct film_sample *sample, double value, float lambda_nm, double kappa)
+void film_sample_add(const struct film *film, struct film_sample *sample, double value, float lambda_nm,
+                     double kappa)
 {
     float cmf[3];
     cmf_eval(lambda_nm, cmf);
@@ -205,8 +207,8 @@ void film_resolve(const struct film *film, const struct working_space *space, in
 static bool check_merge(const struct film *a, const struct film *b, stokes_error *err)
 {
     if (a->full_width != b->full_width || a->full_height != b->full_height)
-        return fail(err, "merge", "resolution", "%d × %d and %d × %d differ", a->full_width, a->full_height, b->full_width,
-                    b->full_height);
+        return fail(err, "merge", "resolution", "%d × %d and %d × %d differ", a->full_width, a->full_height,
+                    b->full_width, b->full_height);
     if (a->x0 != b->x0 || a->y0 != b->y0 || a->width != b->width || a->height != b->height)
         return fail(err, "merge", "border", "the parts cover different rectangles");
     if (a->bins != b->bins ||
@@ -216,8 +218,8 @@ static bool check_merge(const struct film *a, const struct film *b, stokes_error
         return fail(err, "merge", "samples", "[%d, %d) and [%d, %d) overlap", a->first_sample, a->end_sample,
                     b->first_sample, b->end_sample);
     if (a->end_sample != b->first_sample && b->end_sample != a->first_sample)
-        return fail(err, "merge", "samples", "[%d, %d) and [%d, %d) do not touch", a->first_sample, a->end_sample,
-                    b->first_sample, b->end_sample);
+        return fail(err, "merge", "samples", "[%d, %d) and [%d, %d) do not touch", a->first_sample,
+                    a->end_sample, b->first_sample, b->end_sample);
     return true;
 }
 

@@ -31,7 +31,7 @@ float film_filter_sample(float width, float u)
         double cdf, density = window(x, &cdf);
         *(cdf < u ? &low : &high) = x;
         double next = x - (cdf - u) / density;
-        if (!(next > low && next < high)) /* the tails are flat: Newton's step leaves the bracket */
+        if (next < low || next > high) /* the tails are flat: Newton's step leaves the bracket */
             next = (low + high) / 2;
         if (fabs(next - x) < 1e-7) {
             x = next;
