@@ -42,7 +42,8 @@ double cmf_normalization(double lambda_min, double lambda_max)
 {
     double power = 0, luminance = 0;
     double low = fmax(lambda_min, 0), high = fmin(lambda_max, 2000);
-    while (low < high) { /* between whole nanometres D65·ȳ is a quadratic, for which Simpson's rule is exact */
+    while (low <
+           high) { /* between whole nanometres D65·ȳ is a quadratic, for which Simpson's rule is exact */
         double next = fmin(floor(low) + 1, high), middle = (low + next) / 2;
         power += (next - low) * illuminant_d65((float)middle);
         luminance += (next - low) / 6 * (luminous(low) + 4 * luminous(middle) + luminous(next));

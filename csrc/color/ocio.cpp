@@ -88,7 +88,8 @@ static OCIO::ConstProcessorRcPtr processor_to_xyz(const OCIO::ConstConfigRcPtr &
     for (const char *name : {"XYZ", "CIE-XYZ-D65", "Linear CIE-XYZ D65", "cie_xyz_d65"})
         if (known_space(config, name))
             return config->getProcessor(from, name);
-    throw OCIO::Exception("it names no CIE XYZ space (neither role cie_xyz_d65_interchange nor aces_interchange)");
+    throw OCIO::Exception(
+        "it names no CIE XYZ space (neither role cie_xyz_d65_interchange nor aces_interchange)");
 }
 
 /* The matrix of a processor from RGB to XYZ, by its values at the unit vectors. */
@@ -127,20 +128,22 @@ static void apply(const OCIO::ConstProcessorRcPtr &processor, float *pixels, siz
         return;
     auto cpu = processor->getOptimizedCPUProcessor(OCIO::OPTIMIZATION_LOSSLESS);
     const ptrdiff_t pixel_bytes = stride * (ptrdiff_t)sizeof(float);
-    OCIO::PackedImageDesc image(pixels, (long)count, 1, stride >= 4 ? 4 : 3, OCIO::BIT_DEPTH_F32, sizeof(float),
-                                pixel_bytes, pixel_bytes * (ptrdiff_t)count);
+    OCIO::PackedImageDesc image(pixels, (long)count, 1, stride >= 4 ? 4 : 3, OCIO::BIT_DEPTH_F32,
+                                sizeof(float), pixel_bytes, pixel_bytes * (ptrdiff_t)count);
     cpu->apply(image);
 }
 
-bool color_config_to_working(const struct color_config *config, const char *colorspace, const char *working_space,
-                             float *pixels, size_t count, int stride, stokes_error *err)
+bool color_config_to_working(const struct color_config *config, const char *colorspace,
+                             const char *working_space, float *pixels, size_t count, int stride,
+                             stokes_error *err)
 {
     const char *path = config->path.c_str();
     return guarded(path, "color space", err, [&] {
         const char *from = known_space(config->config, colorspace);
         if (!from)
             return fail(err, path, "color space", "it has no space named %s", colorspace);
-        apply(config->config->getProcessor(from, working_name(config->config, working_space)), pixels, count, stride);
+        apply(config->config->getProcessor(from, working_name(config->config, working_space)), pixels, count,
+              stride);
         return true;
     });
 }
@@ -159,7 +162,8 @@ static OCIO::ConstProcessorRcPtr display_processor(const OCIO::ConstConfigRcPtr 
     }
     std::string input = from;
     if (look && *look && std::strcmp(look, "None") != 0) {
-        const char *result = OCIO::LookTransform::GetLooksResultColorSpace(config, config->getCurrentContext(), look);
+        const char *result =
+            OCIO::LookTransform::GetLooksResultColorSpace(config, config->getCurrentContext(), look);
         auto looks = OCIO::LookTransform::Create();
         looks->setSrc(from);
         looks->setDst(result && *result ? result : from);
@@ -182,13 +186,14 @@ static OCIO::ConstProcessorRcPtr display_processor(const OCIO::ConstConfigRcPtr 
     return config->getProcessor(chain);
 }
 
-bool color_config_to_display(const struct color_config *config, const char *working_space, const char *display,
-                             const char *view, const char *look, double exposure, double gamma, float *pixels,
-                             size_t count, int stride, stokes_error *err)
+bool color_config_to_display(const struct color_config *config, const char *working_space,
+                             const char *display, const char *view, const char *look, double exposure,
+                             double gamma, float *pixels, size_t count, int stride, stokes_error *err)
 {
     return guarded(config->path.c_str(), "display", err, [&] {
         const char *from = working_name(config->config, working_space);
-        apply(display_processor(config->config, from, display, view, look, exposure, gamma), pixels, count, stride);
+        apply(display_processor(config->config, from, display, view, look, exposure, gamma), pixels, count,
+              stride);
         for (size_t i = 0; i < count; i++)
             for (int c = 0; c < 3; c++) {
                 float value = pixels[i * (size_t)stride + (size_t)c];

@@ -53,7 +53,8 @@ static void matrix_of_primaries(const double primaries_xy[3][2], const double wh
     invert(columns, inverse);
     double white[3] = {white_xy[0] / white_xy[1], 1, (1 - white_xy[0] - white_xy[1]) / white_xy[1]};
     for (int c = 0; c < 3; c++) {
-        double scale = inverse[3 * c] * white[0] + inverse[3 * c + 1] * white[1] + inverse[3 * c + 2] * white[2];
+        double scale =
+            inverse[3 * c] * white[0] + inverse[3 * c + 1] * white[1] + inverse[3 * c + 2] * white[2];
         for (int row = 0; row < 3; row++)
             matrix[3 * row + c] = columns[3 * row + c] * scale;
     }

@@ -27,6 +27,7 @@ struct spectrum {
     uint32_t *bucket;   /* first candidate segment of each bucket_nm-wide bucket of Λ */
     uint32_t bucket_count;
     float buckets_per_nm;
+    uint32_t *guide; /* the same for the cdf, count equal parts of it */
 };
 
 /* Constructors: yours (spectrum_destroy). All clip to Λ and return NULL with *err filled on bad input: not ascending,

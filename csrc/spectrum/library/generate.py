@@ -154,8 +154,8 @@ def write_lamps():
     for name in [f"HP{i}" for i in range(1, 6)] + [n for n in lamps if n.startswith("LED-")]:
         first, step, values = samples(lamps[name])
         table.grid("lamp/" + name, first, step, [v / max(values) for v in values], "BEYOND_ZERO")
-    for name, values in zip(("S0", "S1", "S2"), daylight_components()):
-        table.array("float", f"daylight_{name.lower()}", map(number, values))
+    components = ("{" + ", ".join(map(number, three)) + "}" for three in zip(*daylight_components()))
+    table.text.append(f"static const float daylight_components[][3] = {{\n{rows(components)}\n}};")
     table.write(HERE / "lamps.inc", "lamp_entries")
 
 
