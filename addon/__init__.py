@@ -20,14 +20,28 @@ def _rooms():
 def register():
     import atexit
 
+    import bpy
+
     for room in _rooms():
         room.register()
-    atexit.register(unregister)  # a registered engine crashes or hangs bpy 4.2 and 4.5 at exit
+    if not bpy.app.binary_path:  # bpy is a Python module
+        atexit.register(_leave_module)
 
 
 def unregister():
     import atexit
 
-    atexit.unregister(unregister)
+    atexit.unregister(_leave_module)
     for room in reversed(_rooms()):
         room.unregister()
+
+
+def _leave_module():
+    """A registered engine makes bpy 4.2 crash and 4.5 hang at exit. And 4.2 crashes where bpy outlives the
+    interpreter: it keeps the callbacks of properties for ever, and these keep their modules' bpy."""
+    import sys
+
+    unregister()
+    for name, module in list(sys.modules.items()):
+        if name == __package__ or name.startswith(__package__ + "."):
+            vars(module).pop("bpy", None)

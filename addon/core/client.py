@@ -100,6 +100,9 @@ class Client:
             left = end - time.monotonic()
             if not self._poll(self._out, None, max(left, 0)) and left <= 0:
                 break
+        if self._next and self._done > self._touched:  # the core has copied all that was shared
+            self._memory.release_pages()
+            self._next = 0
         events = list(self._waiting)
         self._waiting.clear()
         return events

@@ -31,4 +31,7 @@ class Memory:
         if self.fd >= 0:
             os.close(self.fd)
             self.fd = -1
-            self.map.close()
+            try:
+                self.map.close()
+            except BufferError:
+                pass  # somebody still looks at it: it goes with the last view

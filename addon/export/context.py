@@ -19,13 +19,14 @@ class StrictError(Exception):
 class ExportContext:
     """State of one export: one depsgraph into one stream."""
 
-    def __init__(self, stream, depsgraph, strict=False, preview=False):
+    def __init__(self, stream, depsgraph, strict=False, preview=False, check=None):
         self.stream = stream
         self.depsgraph = depsgraph
         self.scene = depsgraph.scene
         self.view_layer = depsgraph.view_layer
         self.strict = strict
         self.preview = preview  # a material preview: small, quick, silent
+        self.check = check or (lambda: None)  # called between objects; raises if the user wants to stop
         self.blender_version = tuple(bpy.app.version)
         self.warnings = []  # (object, property, text), each once, in order of appearance
         self._sent_images = {}  # name in the stream -> True

@@ -34,7 +34,7 @@ class Groups:
     def __init__(self, context):
         self.context = context
         self.meshes = {}  # pointer of the evaluated data -> (name, highest material index), or None if without faces
-        self.names = set()  # names of meshes and lights in the stream
+        self.names = set()  # (kind, name in the stream)
         self.places = {}  # what an instance is made of -> the group's transforms, for the quick way
         self.groups = {}  # (mesh, materials, visible, holdout) -> [name, transforms]
         self.materials = {}  # name in the stream -> bpy material
@@ -43,7 +43,7 @@ class Groups:
         shown = instance.object
         data = shown.data
         if isinstance(data, bpy.types.Light):
-            name = self._unique(shown.name_full)
+            name = self._unique("light", shown.name_full)
             lights.send_light(shown, instance.matrix_world, visibility(shown, instance.parent, self.context),
                               name, self.context)
         elif isinstance(data, bpy.types.Mesh):
@@ -78,7 +78,7 @@ class Groups:
         visible = visibility(shown, parent, self.context)
         key = (name, materials, tuple(visible.items()), _is_holdout(parent or shown, self.context))
         if key not in self.groups:
-            self.groups[key] = (self._unique(shown.name_full), array("f"))
+            self.groups[key] = (self._unique("instances", shown.name_full), array("f"))
         if getattr(shown, "is_shadow_catcher", False):
             self.context.warn(shown, "is_shadow_catcher", "is rendered as a plain object")
         return self.groups[key][1]
@@ -86,7 +86,8 @@ class Groups:
     def _mesh(self, shown, data):
         pointer = data.as_pointer()
         if pointer not in self.meshes:
-            name = self._unique(data.name_full or shown.name_full)
+            self.context.check()
+            name = self._unique("mesh", data.name_full or shown.name_full)
             highest = geometry.send_mesh(data, name, self.context)
             self.meshes[pointer] = None if highest is None else (name, highest)
         return self.meshes[pointer]
@@ -101,13 +102,13 @@ class Groups:
                 self.materials[material.name_full] = material
         return tuple(material.name_full if material else DEFAULT_MATERIAL for material in slots)
 
-    def _unique(self, name):
+    def _unique(self, kind, name):
         """`name`, or name#2, name#3 …: names are unique within their kind."""
         candidate, number = name, 1
-        while candidate in self.names:
+        while (kind, candidate) in self.names:
             number += 1
             candidate = "%s#%d" % (name, number)
-        self.names.add(candidate)
+        self.names.add((kind, candidate))
         return candidate
 
     def send_materials(self):
