@@ -1,0 +1,101 @@
+/* What lamps and the world emit: a spectrum, and a texture whose colours are upsampled under D65 (architecture.md, "Colour and
+   scale"): scale · max(c) · upsample(c/max c) · D65/∫D65. */
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "scene/state.h"
+
+/* Part of a textured light's wavelengths that is drawn from plain D65, so that every texel's colour has support. */
+#define WHITE_PART 0.2f
+
+void emission_free(struct emission *emission)
+{
+    spectrum_destroy(emission->shape);
+    emission->shape = NULL;
+}
+
+void emission_node_destroy(struct emission_node *node)
+{
+    if (!node)
+        return;
+    spectrum_destroy(node->spectrum);
+    free(node->texture);
+    free(node);
+}
+
+static float clamp_positive(float x)
+{
+    return x > 0 ? x : 0;
+}
+
+/* Spectrum of the texture's mean colour, mixed with white. */
+static struct spectrum *texture_shape(const struct scene *scene, const struct image *image, float factor)
+{
+    float mean[3], most = 0;
+    for (int i = 0; i < 3; i++)
+        most = fmaxf(most, mean[i] = clamp_positive(image->mean[i]));
+    if (!(most > 0) || !(factor > 0))
+        return spectrum_constant(scene->context.range, 0);
+    for (int i = 0; i < 3; i++)
+        mean[i] = (1 - WHITE_PART) * mean[i] / most + WHITE_PART;
+    struct spectrum *color = spectrum_rgb(scene->context.range, &scene->context.working_space, mean, UV_HOLD, NULL);
+    struct spectrum *lit = color ? spectrum_product(color, scene->illuminant) : NULL;
+    struct spectrum *scaled = lit ? spectrum_scaled(lit, factor * most) : NULL;
+    spectrum_destroy(color);
+    spectrum_destroy(lit);
+    return scaled;
+}
+
+static struct spectrum *shape_of(const struct scene *scene, const struct emission *emission)
+{
+    struct spectrum *fixed = emission->fixed ? spectrum_scaled(emission->fixed, 1) : NULL;
+    if (!emission->texture)
+        return fixed;
+    struct spectrum *textured = texture_shape(scene, emission->texture->image, emission->scale);
+    if (!fixed || !textured)
+        return fixed ? fixed : textured;
+    struct spectrum *sum = spectrum_sum(fixed, textured);
+    spectrum_destroy(fixed);
+    spectrum_destroy(textured);
+    return sum;
+}
+
+bool emission_compile(struct emission *emission, const struct scene *scene, const struct emission_node *node,
+                      const char *name, stokes_error *err)
+{
+    emission_free(emission);
+    *emission = (struct emission){.fixed = node->spectrum, .texture = node->texture, .scale = node->scale,
+                                  .table = scene->rgb_table, .illuminant = scene->illuminant};
+    if (emission->fixed && !(spectrum_min(emission->fixed) >= 0))
+        return fail(err, name, "emission", "is negative (%g) somewhere", (double)spectrum_min(emission->fixed));
+    if (emission->texture && !emission->texture->image)
+        return fail(err, name, "emission", "its texture has no image");
+    if (emission->texture && !(emission->scale >= 0 && isfinite(emission->scale)))
+        return fail(err, name, "scale", "is %g", (double)emission->scale);
+    emission->shape = emission->fixed || emission->texture ? shape_of(scene, emission)
+                                                           : spectrum_constant(scene->context.range, 0);
+    if (!emission->shape)
+        return fail(err, name, "emission", "no memory for its spectrum");
+    emission->total = spectrum_integral(emission->shape);
+    return true;
+}
+
+static float texel_at(const struct emission *emission, struct vec3 coordinates, float lambda)
+{
+    float rgba[4], most = 0;
+    texture_lookup(emission->texture, coordinates, rgba);
+    for (int i = 0; i < 3; i++)
+        most = fmaxf(most, rgba[i] = clamp_positive(rgba[i]));
+    if (!(most > 0))
+        return 0;
+    for (int i = 0; i < 3; i++)
+        rgba[i] /= most;
+    struct rgb_curve curve = rgb_table_lookup(emission->table, rgba);
+    return emission->scale * most * rgb_curve_eval(&curve, lambda, UV_HOLD) * spectrum_eval(emission->illuminant, lambda);
+}
+
+float emission_at(const struct emission *emission, struct vec3 coordinates, float lambda)
+{
+    float value = emission->fixed ? spectrum_eval(emission->fixed, lambda) : 0;
+    return emission->texture ? value + texel_at(emission, coordinates, lambda) : value;
+}
