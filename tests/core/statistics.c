@@ -11,8 +11,16 @@
 
 #include <cmocka.h>
 
+#include "base/random.h"
+
 #define DETECTION 0.99 /* chance with which an error is "seen" */
 #define TERMS_MAX 100000
+
+double independent(uint64_t seed, uint64_t index)
+{
+    uint64_t x = random_mix(random_mix(seed + 0x9e3779b97f4a7c15ull) + 0xd1342543de82ef95ull * index);
+    return (double)(x >> 11) * 0x1p-53;
+}
 
 /* --- Distributions ---------------------------------------------------------------------------------------
  */

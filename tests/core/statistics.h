@@ -25,6 +25,10 @@
 #define C_FALSE_ALARM                                                                                        \
     (SUITE_FALSE_ALARM / 2 / C_FAMILIES) /* of one family, 2e-9: the default for `false_alarm` */
 
+/* Independent uniform numbers in [0, 1), addressed by seed and index: the tests here assume independent samples, and those of
+   base/random.h are stratified on purpose. */
+double independent(uint64_t seed, uint64_t index);
+
 /* --- Distributions ------------------------------------------------------------------------------------- */
 
 double normal_upper_tail(double z);                       /* P(Z > z) */

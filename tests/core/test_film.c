@@ -14,7 +14,6 @@
 #include <unistd.h>
 
 #include "base/error.h"
-#include "base/random.h"
 #include "base/thread.h"
 #include "image/exr.h"
 #include "statistics.h"
@@ -54,19 +53,19 @@ static void add_some(void *context, size_t index, int worker)
 {
     const struct crowd *crowd = context;
     (void)worker;
-    struct random_path path = random_path(1, 0, (uint32_t)(index * crowd->step % 20011));
-    int x = (int)(random_at(path, 0) * 4),
-        y = (int)(random_at(path, 1) * 3); /* few pixels, much contention */
+    uint64_t at = index * crowd->step % 20011 * 16;
+    double u[16];
+    for (uint64_t i = 0; i < 16; i++)
+        u[i] = independent(1, at + i);
+    int x = (int)(u[0] * 4), y = (int)(u[1] * 3); /* few pixels, much contention */
     double bin[8];
     struct film_sample sample = {.bin = bin};
     film_sample_clear(crowd->film, &sample);
-    for (uint32_t i = 0; i < 3; i++)
-        film_sample_add(crowd->film, &sample, crowd->strength * (double)random_at(path, 2 + i),
-                        360 + 470 * random_at(path, 5 + i), KAPPA);
-    sample.alpha = (double)random_at(path, 8);
+    for (int i = 0; i < 3; i++)
+        film_sample_add(crowd->film, &sample, crowd->strength * u[2 + i], (float)(360 + 470 * u[5 + i]), KAPPA);
+    sample.alpha = u[8];
     film_add(crowd->film, x, y, &sample);
-    film_splat(crowd->film, y, x, crowd->strength * (double)random_at(path, 9),
-               350 + 400 * random_at(path, 10), KAPPA);
+    film_splat(crowd->film, y, x, crowd->strength * u[9], (float)(350 + 400 * u[10]), KAPPA);
     if (index % 1000 == 0)
         film_splat(crowd->film, x, y, index % 2000 ? (double)NAN : -1, 500, KAPPA);
 }
@@ -220,8 +219,8 @@ static void filter_offsets_follow_the_blackman_harris_window(void **state)
     double observed[BINS] = {0}, expected[BINS];
     for (int i = 0; i < BINS; i++)
         expected[i] = DRAWS * (window_cdf((i + 1.0) / BINS) - window_cdf((double)i / BINS));
-    for (uint32_t i = 0; i < DRAWS; i++) {
-        double offset = (double)film_filter_sample(width, random_at(random_path(3, 0, i), 0));
+    for (uint64_t i = 0; i < DRAWS; i++) {
+        double offset = (double)film_filter_sample(width, (float)independent(3, i));
         assert_true(fabs(offset) <= (double)width);
         int bin = (int)((offset / (2 * (double)width) + 0.5) * BINS);
         observed[bin < BINS ? bin : BINS - 1]++;
@@ -284,8 +283,8 @@ static int remove_directory(void **state)
 static void fill(struct film *film, uint32_t seed, int first, int end)
 {
     for (int i = 0; i < film->width * film->height * film->channels; i++) {
-        struct random_path path = random_path(seed, 0, (uint32_t)i);
-        film->sum[i] = (int64_t)((double)random_at(path, 0) * exp2(60 * (double)random_at(path, 1)));
+        uint64_t at = 2 * (uint64_t)i;
+        film->sum[i] = (int64_t)(independent(seed, at) * exp2(60 * independent(seed, at + 1)));
     }
     film->sum[5] = FILM_SUM_MAX;
     film->saturated = 1;
@@ -540,11 +539,10 @@ static void a_file_with_wrong_bytes_is_survived(void **state)
     fclose(in);
     int survived = 0;
     for (uint32_t i = 0; i < 1500; i++) {
-        struct random_path path = random_path(4, 0, i);
         /* Most damage where it hurts: in the header. */
-        size_t at = (size_t)(random_at(path, 0) * (i % 3 ? 2400 : (float)size));
+        size_t at = (size_t)(independent(4, 2 * i) * (i % 3 ? 2400 : (double)size));
         char old = data[at];
-        data[at] ^= (char)(1 + (int)(random_at(path, 1) * 127));
+        data[at] ^= (char)(1 + (int)(independent(4, 2 * i + 1) * 127));
         FILE *out = fopen(in_directory("wrong.exr"), "wb");
         fwrite(data, 1, (size_t)size, out);
         fclose(out);

@@ -1,6 +1,5 @@
 /* The statistical kit against published values and against itself: it must stay quiet on the truth, fire on
    an error of the size that it promises to see, and refuse to judge from too few samples. */
-#include "base/random.h"
 #include "statistics.h"
 
 #include <math.h>
@@ -55,7 +54,7 @@ static double exponential_batch(uint32_t seed, uint32_t batch, uint32_t samples)
 {
     double sum = 0;
     for (uint32_t i = 0; i < samples; i++)
-        sum -= log1p(-random_at(random_path(seed, batch, i), 0));
+        sum -= log1p(-independent((uint64_t)seed << 32 | batch, i));
     return sum / samples;
 }
 
@@ -152,9 +151,8 @@ static void draw_counts(uint32_t seed, uint32_t n, size_t bins, double error, do
         expected[i] = n / (double)bins;
     }
     for (uint32_t i = 0; i < n; i++) {
-        struct random_path path = random_path(seed, 0, i);
-        size_t pair = (size_t)(random_at(path, 0) * (bins / 2.0));
-        observed[2 * pair + (random_at(path, 1) < (1 + error) / 2)]++;
+        size_t pair = (size_t)(independent(seed, 2 * i) * ((double)bins / 2));
+        observed[2 * pair + (independent(seed, 2 * i + 1) < (1 + error) / 2)]++;
     }
 }
 
