@@ -206,16 +206,17 @@ static bool read_mix(const struct place *place, struct closure *closure, int dep
     return closure->factor && read_pair(&mix, closure, depth);
 }
 
-static struct closure *read_emitter(const struct place *place)
+static bool read_emitter(const struct place *place, struct closure *closure)
 {
     struct place emission = place_member(place, "emission"), sides = place_member(place, "two_sided");
     bool two_sided = true;
+    closure->kind = CLOSURE_EMISSION;
     if (sides.value && !read_flag(&sides, &two_sided))
-        return NULL;
-    struct closure *closure = read_emission(&emission, EXPRESSION_DEPTH);
-    if (closure)
+        return false;
+    closure->emission = read_emission(&emission);
+    if (closure->emission)
         closure->emission->two_sided = two_sided;
-    return closure;
+    return closure->emission != NULL;
 }
 
 struct closure *read_closure(const struct place *place, int depth)
@@ -223,8 +224,6 @@ struct closure *read_closure(const struct place *place, int depth)
     bool null = place->value && json_is_null(place->value);
     if (!null && !place_is(place, JSON_OBJECT))
         return NULL;
-    if (!null && !place_has(place, "bsdf") && place_has(place, "emission"))
-        return read_emitter(place);
     struct closure *closure = calloc(1, sizeof *closure);
     struct place add = place_member(place, "add");
     bool good = false;
@@ -237,6 +236,8 @@ struct closure *read_closure(const struct place *place, int depth)
         good = true;
     } else if (place_has(place, "bsdf")) {
         good = read_bsdf(place, closure);
+    } else if (place_has(place, "emission")) {
+        good = read_emitter(place, closure);
     } else if (place_has(place, "mix")) {
         good = read_mix(place, closure, depth);
     } else if (add.value) {

@@ -230,31 +230,23 @@ static struct spectrum *read_emission_spectrum(const struct place *place, int de
     return NULL;
 }
 
-struct closure *read_emission(const struct place *place, int depth)
+struct emission_node *read_emission(const struct place *place)
 {
-    struct closure *closure = calloc(1, sizeof *closure);
     struct emission_node *emission = calloc(1, sizeof *emission);
-    if (!closure || !emission) {
-        free(closure);
-        free(emission);
+    struct place texture = place_member(place, "texture");
+    double scale = 1;
+    if (!emission) {
         place_fail(place, "out of memory");
         return NULL;
     }
-    closure->kind = CLOSURE_EMISSION;
-    closure->emission = emission;
-    emission->scale = 1;
-    struct place texture = place_member(place, "texture");
-    if (texture.value) {
-        double scale = 1;
-        if (read_scale(place, &scale))
-            emission->texture = read_texture(&texture);
-        emission->scale = (float)scale;
-    } else {
-        emission->spectrum = read_emission_spectrum(place, depth);
-    }
+    if (!texture.value)
+        emission->spectrum = read_emission_spectrum(place, EXPRESSION_DEPTH);
+    else if (read_scale(place, &scale))
+        emission->texture = read_texture(&texture);
+    emission->scale = (float)scale;
     if (!emission->texture && !emission->spectrum) {
-        closure_destroy(closure);
+        emission_node_destroy(emission);
         return NULL;
     }
-    return closure;
+    return emission;
 }

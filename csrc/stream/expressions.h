@@ -16,8 +16,8 @@ struct color_node *read_color(const struct place *, enum beyond, int depth);
 struct value_node *read_value(const struct place *, int depth);
 /* T. free. */
 struct texture *read_texture(const struct place *);
-/* L, inside a closure of kind EMISSION so that closure_destroy frees it. */
-struct closure *read_emission(const struct place *, int depth);
+/* L. emission_node_destroy. */
+struct emission_node *read_emission(const struct place *);
 /* A closure tree. closure_destroy. */
 struct closure *read_closure(const struct place *, int depth);
 

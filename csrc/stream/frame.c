@@ -42,7 +42,7 @@ struct head {
     uint64_t json_bytes, blob_bytes;
 };
 
-static bool read_head(const unsigned char *bytes, struct frame *frame, struct head *head, stokes_error *err)
+static bool read_head(const unsigned char *bytes, struct stream_frame *frame, struct head *head, stokes_error *err)
 {
     if (memcmp(bytes, FRAME_MAGIC, 4) != 0)
         return fail(err, "stream", "magic", "a frame does not begin with " FRAME_MAGIC);
@@ -90,11 +90,11 @@ static unsigned char *read_area(frame_source read, void *user, uint64_t bytes, c
     return data;
 }
 
-enum frame_result frame_read(frame_source read, void *user, struct frame *frame, stokes_error *err)
+enum frame_result frame_read(frame_source read, void *user, struct stream_frame *frame, stokes_error *err)
 {
     unsigned char bytes[FRAME_HEAD_BYTES];
     struct head head = {0};
-    *frame = (struct frame){0};
+    *frame = (struct stream_frame){0};
     size_t got = read(user, bytes, sizeof bytes);
     if (got == 0)
         return FRAME_END;
@@ -116,11 +116,11 @@ enum frame_result frame_read(frame_source read, void *user, struct frame *frame,
     return FRAME_READ;
 }
 
-void frame_free(struct frame *frame)
+void frame_free(struct stream_frame *frame)
 {
     free(frame->json);
     free(frame->blobs);
-    *frame = (struct frame){0};
+    *frame = (struct stream_frame){0};
 }
 
 unsigned char *frame_build(const char *name, bool mandatory, const char *json, size_t json_bytes, size_t *bytes)

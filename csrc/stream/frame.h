@@ -14,7 +14,7 @@
 /* Fills `data` with as many bytes as there are, at most `bytes`; less only at the end. */
 typedef size_t (*frame_source)(void *user, void *data, size_t bytes);
 
-struct frame {
+struct stream_frame {
     char name[FRAME_NAME_BYTES + 1];
     bool mandatory;
     char *json;
@@ -27,8 +27,8 @@ enum frame_result { FRAME_READ, FRAME_END, FRAME_BROKEN };
 
 /* The next frame, yours (frame_free). END: the source ended between two frames. BROKEN: *err says how. What a head claims
    is allocated only as the bytes arrive. On END and BROKEN there is nothing to free. */
-enum frame_result frame_read(frame_source, void *user, struct frame *, stokes_error *err);
-void frame_free(struct frame *);
+enum frame_result frame_read(frame_source, void *user, struct stream_frame *, stokes_error *err);
+void frame_free(struct stream_frame *);
 
 /* A whole frame without blobs, padded. Yours: free. NULL without memory. */
 unsigned char *frame_build(const char *name, bool mandatory, const char *json, size_t json_bytes, size_t *bytes);

@@ -53,15 +53,13 @@ static size_t write_path(const struct place *place, char *text, size_t room)
 bool place_fail(const struct place *place, const char *format, ...)
 {
     const struct message *message = place->message;
-    char path[128] = "", property[160], text[320];
+    char path[128] = "", text[320];
     write_path(place, path, sizeof path);
-    snprintf(property, sizeof property, "%s%s%s", message->object ? message->name : "",
-             message->object && *path ? "." : "", path);
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    return fail(message->err, message->object ? message->object : message->name, property, "%s", text);
+    return fail(message->err, message->object ? message->object : message->name, path, "%s", text);
 }
 
 static const char *type_name(json_type type)
