@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """A core of the tests' own: speaks the stream as STREAM.md says and "renders" a ramp, red = x, green = y.
-$FAKE_CORE is a list of faults: die-at=NAME, error-at=NAME, hang-at=NAME (a message), deaf (ignores cancel), slow (0.02 s a sample).
-$FAKE_CORE_LOG names a file that receives one JSON line per frame: {"name", "members", "blobs", "at"}."""
+$FAKE_CORE is a list of faults: die-at=NAME, kill-at=NAME, error-at=NAME, hang-at=NAME (a message), deaf (ignores cancel),
+slow (0.02 s a sample).
+$FAKE_CORE_LOG names a file that receives one JSON line per frame: {"name", "members", "crc", "at"}, crc being the sums of its
+blobs in the order of the message, wherever they lay."""
 
 import json
 import mmap
@@ -10,6 +12,7 @@ import select
 import struct
 import sys
 import time
+import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 
@@ -47,8 +50,8 @@ class FakeCore:
             return None
         _, _, name, json_bytes, blob_bytes = stream.HEAD.unpack(head)
         text = self.take(stream.padded(json_bytes))[:json_bytes]
-        self.take(stream.padded(blob_bytes))
-        return name.rstrip(b"\0").decode(), json.loads(text)
+        area = self.take(stream.padded(blob_bytes))
+        return name.rstrip(b"\0").decode(), json.loads(text), area
 
     @staticmethod
     def take(count):
@@ -61,10 +64,24 @@ class FakeCore:
             count -= len(part)
         return b"".join(parts)
 
-    def apply(self, name, members):
+    def sums(self, value, area):
+        """CRC-32 of every blob that `value` names."""
+        if isinstance(value, list):
+            return [crc for item in value for crc in self.sums(item, area)]
+        if not isinstance(value, dict):
+            return []
+        if "bytes" in value and "at" in value:
+            return [zlib.crc32(area[value["at"]:value["at"] + value["bytes"]])]
+        if "bytes" in value and "shared" in value:
+            with mmap.mmap(self.memory_fd, 0) as memory:
+                return [zlib.crc32(memory[value["shared"]:value["shared"] + value["bytes"]])]
+        return [crc for item in value.values() for crc in self.sums(item, area)]
+
+    def apply(self, name, members, area):
         number, self.frames = self.frames, self.frames + 1
         if self.log:
-            print(json.dumps({"name": name, "members": members, "at": time.time()}), file=self.log, flush=True)
+            line = {"name": name, "members": members, "crc": self.sums(members, area), "at": time.time()}
+            print(json.dumps(line), file=self.log, flush=True)
         if FAULTS.get("die-at") == name:
             print("first line", "fake core: out of paper", sep="\n", file=sys.stderr, flush=True)
             os._exit(3)
