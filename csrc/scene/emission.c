@@ -29,11 +29,11 @@ static float clamp_positive(float x)
 }
 
 /* Spectrum of the texture's mean colour, mixed with white. */
-static struct spectrum *texture_shape(const struct scene *scene, const struct image *image, float factor)
+static struct spectrum *texture_shape(const struct scene *scene, const float mean_color[3], float factor)
 {
     float mean[3], most = 0;
     for (int i = 0; i < 3; i++)
-        most = fmaxf(most, mean[i] = clamp_positive(image->mean[i]));
+        most = fmaxf(most, mean[i] = clamp_positive(mean_color[i]));
     if (!(most > 0) || !(factor > 0))
         return spectrum_constant(scene->context.range, 0);
     for (int i = 0; i < 3; i++)
@@ -46,12 +46,12 @@ static struct spectrum *texture_shape(const struct scene *scene, const struct im
     return scaled;
 }
 
-static struct spectrum *shape_of(const struct scene *scene, const struct emission *emission)
+static struct spectrum *shape_of(const struct scene *scene, const struct emission *emission, const float mean[3])
 {
     struct spectrum *fixed = emission->fixed ? spectrum_scaled(emission->fixed, 1) : NULL;
     if (!emission->texture)
         return fixed;
-    struct spectrum *textured = texture_shape(scene, emission->texture->image, emission->scale);
+    struct spectrum *textured = texture_shape(scene, mean, emission->scale);
     if (!fixed || !textured)
         return fixed ? fixed : textured;
     struct spectrum *sum = spectrum_sum(fixed, textured);
@@ -61,7 +61,7 @@ static struct spectrum *shape_of(const struct scene *scene, const struct emissio
 }
 
 bool emission_compile(struct emission *emission, const struct scene *scene, const struct emission_node *node,
-                      const char *name, stokes_error *err)
+                      const float mean[3], const char *name, stokes_error *err)
 {
     emission_free(emission);
     *emission = (struct emission){.fixed = node->spectrum, .texture = node->texture, .scale = node->scale,
@@ -72,7 +72,7 @@ bool emission_compile(struct emission *emission, const struct scene *scene, cons
         return fail(err, name, "emission", "its texture has no image");
     if (emission->texture && !(emission->scale >= 0 && isfinite(emission->scale)))
         return fail(err, name, "scale", "is %g", (double)emission->scale);
-    emission->shape = emission->fixed || emission->texture ? shape_of(scene, emission)
+    emission->shape = emission->fixed || emission->texture ? shape_of(scene, emission, mean)
                                                            : spectrum_constant(scene->context.range, 0);
     if (!emission->shape)
         return fail(err, name, "emission", "no memory for its spectrum");

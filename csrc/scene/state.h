@@ -95,9 +95,9 @@ struct emission {
     struct spectrum *shape;           /* wavelengths are drawn from it: positive wherever the light emits */
     double total;                     /* ∫ of the mean over Λ */
 };
-/* `mean` is the texture's mean colour. */
-bool emission_compile(struct emission *, const struct scene *, const struct emission_node *, const char *name,
-                      stokes_error *err);
+/* `mean` is the texture's mean colour over what it lights. */
+bool emission_compile(struct emission *, const struct scene *, const struct emission_node *, const float mean[3],
+                      const char *name, stokes_error *err);
 float emission_at(const struct emission *, struct vec3 coordinates, float lambda);
 void emission_free(struct emission *);
 void emission_node_destroy(struct emission_node *);
