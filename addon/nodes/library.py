@@ -84,6 +84,17 @@ def emitted(shape):
     return _rgb([scale * value for value in shape], data["d65"])
 
 
+def monochromatic(nm):
+    """Linear Rec. 709 of the colour-matching functions at a wavelength, negative parts cut."""
+    data = _library()
+    at = (nm - data["first"]) / data["step"]
+    if not 0.0 <= at < len(data["d65"]) - 1:
+        return (0.0, 0.0, 0.0)
+    low, share = int(at), at - int(at)
+    xyz = [curve[low] + share * (curve[low + 1] - curve[low]) for curve in data["observer"]]
+    return tuple(max(0.0, sum(row[i] * xyz[i] for i in range(3))) for row in _REC709)
+
+
 def _rgb(light, white):
     """Colour of a light in the scene's working space, Y = 1 for the white. What lies outside the gamut is cut."""
     observer = _library()["observer"]

@@ -1,0 +1,142 @@
+"""Cycles' BSDF nodes, one function each. What a closure of ours cannot say is named in a warning."""
+
+from .registry import translates
+from .textures import normal
+from .values import rgb_spectrum
+
+
+
+def _check_distribution(node, graph, roughness):
+    """Our microfacets are GGX with single scattering. Returns the roughness to use."""
+    distribution = getattr(node, "distribution", "GGX")
+    if distribution == "SHARP":
+        return 0.0
+    if distribution != "GGX" and roughness != 0.0:
+        graph.warn(node, "the distribution %s is not supported yet; GGX is used" % distribution)
+    return roughness
+
+
+@translates("ShaderNodeBsdfDiffuse")
+def diffuse(node, graph):
+    return graph.bsdf("diffuse", reflectance=graph.color(node, "Color"), roughness=graph.factor(node, "Roughness"),
+                      normal=normal(node, graph))
+
+
+@translates("ShaderNodeBsdfTranslucent")
+def translucent(node, graph):
+    return graph.bsdf("translucent", reflectance=graph.color(node, "Color"), normal=normal(node, graph))
+
+
+@translates("ShaderNodeBsdfTransparent")
+def transparent(node, graph):
+    return graph.bsdf("transparent", color=graph.color(node, "Color"))
+
+
+@translates("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic")
+def glossy(node, graph):
+    anisotropy = graph.socket(node, "Anisotropy")
+    if anisotropy is not None and (graph.is_linked(anisotropy) or anisotropy.default_value != 0.0):
+        graph.warn(node, "anisotropy is not supported yet; the same roughness in all directions is used")
+    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
+    return graph.bsdf("glossy", color=graph.color(node, "Color"), roughness=roughness, normal=normal(node, graph))
+
+
+@translates("ShaderNodeBsdfGlass")
+def glass(node, graph):
+    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
+    thin_film = graph.socket(node, "Thin Film Thickness")
+    if thin_film is not None and (graph.is_linked(thin_film) or thin_film.default_value > 0.0):
+        graph.warn(node, "the thin film is not supported yet; plain glass is used")
+    color = graph.color(node, "Color")
+    return graph.bsdf("dielectric", ior=graph.number(node, "IOR"), roughness=roughness, reflect_color=color,
+                      transmit_color=color, lobes="both", normal=normal(node, graph))
+
+
+@translates("ShaderNodeBsdfRefraction")
+def refraction(node, graph):
+    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
+    return graph.bsdf("dielectric", ior=graph.number(node, "IOR"), roughness=roughness,
+                      transmit_color=graph.color(node, "Color"), lobes="refract", normal=normal(node, graph))
+
+
+@translates("ShaderNodeBsdfMetallic")
+def metallic(node, graph):
+    if node.fresnel_type == 'PHYSICAL_CONDUCTOR':
+        graph.warn(node, "the IOR by channel is not supported yet; a reflection of its base colour is used")
+    elif max(graph.vector(node, "Edge Tint")) != min(graph.vector(node, "Edge Tint")):
+        graph.warn(node, "the edge tint is not supported yet; the base colour is used at every angle")
+    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
+    return graph.bsdf("glossy", color=graph.color(node, "Base Color"), roughness=roughness, normal=normal(node, graph))
+
+
+@translates("ShaderNodeSubsurfaceScattering")
+def subsurface(node, graph):
+    graph.warn(node, "light does not go below the surface yet; a diffuse surface of its colour is used")
+    return graph.bsdf("diffuse", reflectance=graph.color(node, "Color"), normal=normal(node, graph))
+
+
+@translates("ShaderNodeBsdfVelvet", "ShaderNodeBsdfSheen", "ShaderNodeBsdfToon", "ShaderNodeBsdfHair",
+            "ShaderNodeBsdfHairPrincipled")
+def cloth_and_hair(node, graph):
+    graph.warn(node, "is not supported yet; a diffuse surface of its colour is used")
+    return graph.bsdf("diffuse", reflectance=graph.color(node, "Color"), normal=normal(node, graph))
+
+
+@translates("ShaderNodeEeveeSpecular")
+def eevee_specular(node, graph):
+    graph.warn(node, "is an EEVEE node; Cycles renders nothing for it, and so do we")
+    return None
+
+
+@translates("ShaderNodeVolumeAbsorption", "ShaderNodeVolumeScatter", "ShaderNodeVolumePrincipled",
+            "ShaderNodeVolumeCoefficients")
+def volume(node, graph):
+    graph.warn(node, "is a volume; as a surface it is black, as in Cycles")
+    return None
+
+
+@translates("ShaderNodeHoldout")
+def holdout(node, graph):
+    graph.warn(node, "is rendered black and opaque; use the object's own Holdout setting")
+    return None
+
+
+@translates("ShaderNodeEmission", "ShaderNodeBackground")
+def emission(node, graph):
+    return {"emission": light_of(node, graph, "Color", "Strength"), "two_sided": True}
+
+
+def light_of(node, graph, color_name, strength_name):
+    """L of a colour and a strength input."""
+    color = graph.value(graph.input(node, color_name))
+    return graph.light(color, graph.number(node, strength_name), node)
+
+
+@translates("ShaderNodeMixShader")
+def mix_shader(node, graph):
+    factor = graph.factor(node, "Fac")
+    first, second = node.inputs[1], node.inputs[2]
+    if not isinstance(factor, dict):
+        factor = min(1.0, max(0.0, factor))
+        if factor in (0.0, 1.0):
+            return graph.closure(second if factor else first)
+    return {"mix": [graph.closure(first), graph.closure(second)], "factor": factor}
+
+
+@translates("ShaderNodeAddShader")
+def add_shader(node, graph):
+    return add(graph.closure(node.inputs[0]), graph.closure(node.inputs[1]))
+
+
+def add(*closures):
+    """The sum of closures, without those that are black."""
+    total = None
+    for closure in closures:
+        if closure is not None:
+            total = closure if total is None else {"add": [total, closure]}
+    return total
+
+
+def plain(material):
+    """A material without nodes: Cycles renders its viewport colour as a diffuse surface."""
+    return {"bsdf": "diffuse", "reflectance": rgb_spectrum(tuple(material.diffuse_color[:3]))}

@@ -1,0 +1,224 @@
+"""Walks a node tree from an output back: links, reroutes, muted nodes, groups in groups.
+Sockets are found by identifier: names differ between versions and languages."""
+
+from contextlib import contextmanager
+
+from ... import nodes
+from .registry import CLOSURES, VALUES, key_of
+from .values import (
+    Constant, Environment, Spectral, Textured, Varying, as_factor, as_number, as_rgb, as_spectrum, rgb_spectrum,
+)
+
+# What procedural textures are on average: the nearest constant.
+_MEANS = {
+    "ShaderNodeTexNoise": 0.5, "ShaderNodeTexMusgrave": 0.0, "ShaderNodeTexWave": 0.5,
+    "ShaderNodeTexVoronoi": 0.5, "ShaderNodeTexMagic": 0.5, "ShaderNodeTexGradient": 0.5,
+    "ShaderNodeTexWhiteNoise": 0.5, "ShaderNodeTexGabor": 0.5, "ShaderNodeTexIES": 1.0,
+    "ShaderNodeAmbientOcclusion": 1.0, "ShaderNodeObjectInfo": 0.5, "ShaderNodeParticleInfo": 0.5,
+    "ShaderNodeTexSky": (0.35, 0.5, 0.75),
+}
+
+
+class Graph:
+    """One walk: `owner` is the material, world or light that warnings name."""
+
+    def __init__(self, owner, context):
+        self.owner = owner
+        self.context = context
+        self.path = ()  # the groups that the walk is in, outermost first
+
+    def warn(self, node, text):
+        self.context.warn(self.owner, node.label or node.name, text)
+
+    # --- sockets ---------------------------------------------------------------------------------------------
+
+    @staticmethod
+    def socket(node, *identifiers):
+        """The input with the first of these identifiers that this version has, or None."""
+        for identifier in identifiers:
+            for socket in node.inputs:
+                if socket.identifier == identifier:
+                    return socket
+        return None
+
+    def input(self, node, *identifiers):
+        """An input that must be there; a Stokes node's by name, as groups number their identifiers."""
+        socket = self.socket(node, *identifiers)
+        return socket if socket is not None else nodes.input_of(node, identifiers[0])
+
+    def follow(self, socket, path):
+        """(node, output, path) that feeds an input; or (None, input, path): that input's own value counts."""
+        while True:
+            link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+            if link is None:
+                return None, socket, path
+            node, output = link.from_node, link.from_socket
+            if node.mute:
+                inner = next((l.from_socket for l in node.internal_links if l.to_socket == output), None)
+                if inner is None:
+                    return None, socket, path
+                socket = inner
+            elif node.bl_idname == "NodeReroute":
+                socket = node.inputs[0]
+            elif node.bl_idname == "NodeGroupInput" and path:
+                socket = _same_socket(path[-1].inputs, output)
+                path = path[:-1]
+            elif node.bl_idname == "ShaderNodeGroup" and not nodes.kind_of(node):
+                inner = _group_result(node, output)
+                if inner is None:
+                    return None, socket, path
+                socket, path = inner, path + (node,)
+            else:
+                return node, output, path
+
+    @contextmanager
+    def inside(self, path):
+        outer, self.path = self.path, path
+        try:
+            yield
+        finally:
+            self.path = outer
+
+    def is_linked(self, socket):
+        return self.follow(socket, self.path)[0] is not None
+
+    # --- closures --------------------------------------------------------------------------------------------
+
+    def closure(self, socket):
+        """The closure that feeds a shader input; None (absorbs all) where nothing does."""
+        node, output, path = self.follow(socket, self.path)
+        if node is None:
+            return None
+        with self.inside(path):
+            if output.type != 'SHADER':  # Cycles turns a colour into light
+                return {"emission": self.light(self._evaluate(node, output, None), 1.0, node), "two_sided": True}
+            translate = CLOSURES.get(key_of(node))
+            if translate is None:
+                self.warn(node, "is not known to Stokes; a grey diffuse surface is used")
+                return {"bsdf": "diffuse", "reflectance": rgb_spectrum(0.8)}
+            return translate(node, self)
+
+    @staticmethod
+    def bsdf(name, normal=None, **members):
+        closure = {"bsdf": name}
+        closure.update((key, value) for key, value in members.items() if value is not None)
+        if normal:
+            closure["normal"] = normal
+        return closure
+
+    # --- values ----------------------------------------------------------------------------------------------
+
+    def value(self, socket):
+        """What an input carries (values.py)."""
+        node, output, path = self.follow(socket, self.path)
+        if node is None:
+            return own_value(output)
+        with self.inside(path):
+            return self._evaluate(node, output, socket)
+
+    def _evaluate(self, node, output, socket):
+        evaluate = VALUES.get(key_of(node))
+        if evaluate is not None:
+            return evaluate(node, output, self)
+        instead = Constant(_MEANS[node.bl_idname]) if node.bl_idname in _MEANS else None
+        if instead is None:
+            instead = own_value(socket) if socket is not None else Constant(0.5)
+        self.warn(node, "is not supported yet; %s is used" % describe(instead))
+        return instead
+
+    def color(self, node, *identifiers):
+        """S of a colour input."""
+        socket = self.input(node, *identifiers)
+        value = self.value(socket)
+        spectrum = as_spectrum(value)
+        if spectrum is None:
+            instead = own_value(socket)
+            self.warn(node, "%s cannot vary like that; %s is used" % (socket.name, describe(instead)))
+            spectrum = as_spectrum(instead)
+        return spectrum
+
+    def factor(self, node, *identifiers):
+        """V of a number input."""
+        socket = self.input(node, *identifiers)
+        factor = as_factor(self.value(socket))
+        if factor is None:
+            instead = own_value(socket)
+            self.warn(node, "%s is a number, not a spectrum; %s is used" % (socket.name, describe(instead)))
+            factor = as_number(instead.value)
+        return factor
+
+    def number(self, node, *identifiers):
+        """A number input that must be the same all over the surface."""
+        socket = self.input(node, *identifiers)
+        value = self.value(socket)
+        if isinstance(value, Constant):
+            return as_number(value.value)
+        instead = as_number(own_value(socket).value)
+        self.warn(node, "%s cannot vary over the surface; %.3g is used" % (socket.name, instead))
+        return instead
+
+    def vector(self, node, *identifiers):
+        """Three numbers that must be the same all over the surface."""
+        socket = self.input(node, *identifiers)
+        value = self.value(socket)
+        if isinstance(value, Constant):
+            return as_rgb(value.value)
+        instead = as_rgb(own_value(socket).value)
+        self.warn(node, "%s cannot vary over the surface; %s is used" % (socket.name, describe(Constant(instead))))
+        return instead
+
+    def light(self, color, strength, node):
+        """L of a colour value and a number."""
+        if isinstance(color, Spectral):
+            return {"shape": color.spectrum, "scale": strength, "unit": color.unit}
+        if isinstance(color, Textured):
+            return {"texture": color.texture, "scale": strength * color.scale}
+        if isinstance(color, Constant):
+            return {"rgb": list(as_rgb(color.value)), "scale": strength}
+        if isinstance(color, Varying) and isinstance(color.factor, dict) and "texture" in color.factor:
+            return {"texture": color.factor["texture"], "scale": strength}
+        self.warn(node, "the light's colour cannot vary like that; white is used")
+        return {"rgb": [1.0, 1.0, 1.0], "scale": strength}
+
+
+def own_value(socket):
+    """What an input says when nothing is linked to it."""
+    value = getattr(socket, "default_value", None)
+    if value is None:  # shaders and virtual sockets
+        return Constant(0.0)
+    if isinstance(value, (int, float)):  # bool too
+        return Constant(decimal(value))
+    return Constant(0.0 if isinstance(value, str) else tuple(decimal(channel) for channel in value[:3]))
+
+
+def decimal(number):
+    """A single-precision number of Blender's as it was typed in: 0.8, not 0.800000011920929."""
+    return float("%.7g" % number)
+
+
+def describe(value):
+    """For warnings: "grey 0.8", "(1, 0.5, 0)"."""
+    if isinstance(value, Constant) and isinstance(value.value, tuple):
+        if max(value.value) == min(value.value):
+            return "grey %.3g" % value.value[0]
+        return "(%.3g, %.3g, %.3g)" % value.value
+    if isinstance(value, Constant):
+        return "%.3g" % value.value
+    if isinstance(value, Textured):
+        return "the image '%s'" % value.texture["image"]
+    if isinstance(value, Environment):
+        return "the environment '%s'" % value.image
+    return "a spectrum" if isinstance(value, Spectral) else "a varying factor"
+
+
+def _same_socket(sockets, other):
+    return next(socket for socket in sockets if socket.identifier == other.identifier)
+
+
+def _group_result(group, output):
+    """The input of the inner Group Output that an output of `group` shows, or None."""
+    if group.node_tree is None:
+        return None
+    results = [node for node in group.node_tree.nodes if node.bl_idname == "NodeGroupOutput"]
+    active = next((node for node in results if node.is_active_output), results[0] if results else None)
+    return _same_socket(active.inputs, output) if active else None

@@ -1,0 +1,143 @@
+"""From a material, world or light to what the stream says of it: finds the output node and walks back from it."""
+
+import bpy
+
+from .closures import light_of, plain
+from .graph import Graph, describe
+from .registry import key_of
+from .values import Constant, Environment, as_rgb, scaled
+
+_BLACK = {"rgb": [0.0, 0.0, 0.0], "scale": 1.0}
+_DARK = {"kind": "constant", "emission": _BLACK}
+
+
+def has_nodes(owner):
+    """From 5.0 on everything has; asking `use_nodes` there warns of its end."""
+    if owner.node_tree is None:
+        return False
+    return bpy.app.version >= (5, 0, 0) or owner.use_nodes
+
+
+def surface(material, context):
+    """The closure of a material; None absorbs all."""
+    if not has_nodes(material):
+        return plain(material)
+    output = material.node_tree.get_output_node('CYCLES')
+    if output is None:
+        return None
+    graph = Graph(material, context)
+    for name, text in (("Volume", "volumes are not supported yet and left out"),
+                       ("Displacement", "displacement is not supported yet and left out")):
+        socket = graph.socket(output, name)
+        if socket is not None and graph.is_linked(socket):
+            graph.warn(output, text)
+    return graph.closure(graph.input(output, "Surface"))
+
+
+def light_emission(light, context):
+    """L of a light's node tree and colour, without its power."""
+    tint = tuple(light.color)
+    if getattr(light, "use_temperature", False):
+        tint = tuple(a * b for a, b in zip(tint, light.temperature_color))
+    if not has_nodes(light):
+        return {"rgb": list(tint), "scale": 1.0}
+    output = light.node_tree.get_output_node('CYCLES')
+    if output is None:
+        return dict(_BLACK)
+    graph = Graph(light, context)
+    terms = Terms(graph)
+    terms.collect(graph.input(output, "Surface"), 1.0)
+    tinted = [_tinted(term, tint, graph, output) for term in terms.lights]
+    if not tinted:
+        return dict(_BLACK)
+    return tinted[0] if len(tinted) == 1 else {"sum": tinted}
+
+
+def _tinted(emission, tint, graph, output):
+    """Cycles multiplies the light's own colour into its nodes."""
+    if "rgb" in emission:
+        return dict(emission, rgb=[a * b for a, b in zip(emission["rgb"], tint)])
+    strongest = max(tint)
+    if "texture" in emission:
+        graph.warn(output, "an image cannot light through a lamp yet; the lamp's colour is used")
+        return {"rgb": list(tint), "scale": emission["scale"]}
+    if min(tint) == strongest:
+        return dict(emission, scale=emission["scale"] * strongest)
+    if strongest <= 0.0:
+        return dict(_BLACK)
+    graph.warn(output, "the lamp's colour only tints its spectrum; its power stays what it is")
+    shade = {"rgb": [channel / strongest for channel in tint]}
+    return dict(emission, shape={"product": [emission["shape"], shade]})
+
+
+def world(world, context):
+    """The members of a `world` message; `world` may be None, which is black."""
+    if world is None:
+        return dict(_DARK)
+    if not has_nodes(world):
+        return {"kind": "constant", "emission": {"rgb": list(world.color), "scale": 1.0}}
+    output = world.node_tree.get_output_node('CYCLES')
+    if output is None:
+        return dict(_DARK)
+    graph = Graph(world, context)
+    volume = graph.socket(output, "Volume")
+    if volume is not None and graph.is_linked(volume):
+        graph.warn(output, "volumes are not supported yet and left out")
+    terms = Terms(graph)
+    terms.collect(graph.input(output, "Surface"), 1.0)
+    return _world_of(terms, graph, output)
+
+
+def _world_of(terms, graph, output):
+    if terms.maps:
+        if len(terms.maps) > 1 or terms.lights:
+            graph.warn(output, "an image and other light are not mixed yet; %s is used" % describe(terms.maps[0]))
+        shown = terms.maps[0]
+        return {"kind": "image", "image": shown.image, "scale": shown.scale, "transform": shown.transform}
+    if not terms.lights:
+        return dict(_DARK)
+    emission = terms.lights[0] if len(terms.lights) == 1 else {"sum": terms.lights}
+    return {"kind": "constant", "emission": emission}
+
+
+class Terms:
+    """The light in a closure tree of a world or lamp, where there is no surface: a weighted sum."""
+
+    def __init__(self, graph):
+        self.graph = graph
+        self.lights = []  # L
+        self.maps = []    # Environment
+
+    def collect(self, socket, weight):
+        graph = self.graph
+        node, output, path = graph.follow(socket, graph.path)
+        if node is None or weight == 0.0:
+            return
+        with graph.inside(path):
+            key = key_of(node)
+            if output.type != 'SHADER':
+                self._add_light(graph.value(socket), weight, node)
+            elif key in {"ShaderNodeBackground", "ShaderNodeEmission"}:
+                color = graph.value(graph.input(node, "Color"))
+                if isinstance(color, Environment):
+                    self.maps.append(scaled(color, weight * graph.number(node, "Strength")))
+                else:
+                    light = light_of(node, graph, "Color", "Strength")
+                    self.lights.append(dict(light, scale=light["scale"] * weight))
+            elif key == "ShaderNodeAddShader":
+                for shader in node.inputs:
+                    self.collect(shader, weight)
+            elif key == "ShaderNodeMixShader":
+                share = min(1.0, max(0.0, graph.number(node, "Fac")))
+                self.collect(node.inputs[1], weight * (1.0 - share))
+                self.collect(node.inputs[2], weight * share)
+            else:
+                graph.warn(node, "gives no light here and is left out")
+
+    def _add_light(self, color, weight, node):
+        if isinstance(color, Environment):
+            self.maps.append(scaled(color, weight))
+        elif isinstance(color, Constant):
+            self.lights.append({"rgb": list(as_rgb(color.value)), "scale": weight})
+        else:
+            self.lights.append(self.graph.light(color, weight, node))
