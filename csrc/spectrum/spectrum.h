@@ -4,6 +4,7 @@
 #ifndef SPECTRUM_SPECTRUM_H
 #define SPECTRUM_SPECTRUM_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -85,13 +86,24 @@ struct rgb_curve {
 /* What an RGB reflectance does below 360 nm. */
 enum uv_rule { UV_HOLD, UV_EXTRAPOLATE, UV_ZERO };
 
-float rgb_curve_eval(const struct rgb_curve *, float lambda_nm, enum uv_rule);
+/* Above 830 nm it holds, too. */
+static inline float rgb_curve_eval(const struct rgb_curve *curve, float lambda_nm, enum uv_rule uv_rule)
+{
+    float lowest = uv_rule == UV_EXTRAPOLATE ? 0 : CMF_MIN_NM;
+    float l = lambda_nm < lowest ? lowest : lambda_nm > CMF_MAX_NM ? CMF_MAX_NM : lambda_nm;
+    float x = (curve->c[0] * l + curve->c[1]) * l + curve->c[2];
+    float value = 0.5f + 0.5f * x / sqrtf(1 + x * x);
+    return uv_rule == UV_ZERO && lambda_nm < CMF_MIN_NM ? 0 : value;
+}
 
 /* Fits a constant colour directly (Gauss–Newton in CIELAB under D65). Colours that no reflectance reaches get the nearest;
    *outside (may be NULL) is then set. */
 struct rgb_curve rgb_curve_fit(const struct working_space *, const float rgb[3], bool *outside);
 /* The same as a spectrum. */
 struct spectrum *spectrum_rgb(struct range, const struct working_space *, const float rgb[3], enum uv_rule, bool *outside);
+
+/* The light that the working space calls white, 1 at 560 nm: D65, or daylight of another white's exact chromaticity. */
+struct spectrum *spectrum_white(struct range, const struct working_space *);
 
 /* A table of coefficients over the RGB cube, for textures; built in about a second, by all threads. */
 struct rgb_table;
