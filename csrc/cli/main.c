@@ -1,0 +1,47 @@
+/* `stokes`: picks the sub-command. */
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cli.h"
+
+static const struct command {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+    {"render", "render a scene file", cli_render},
+    {"merge", "merge EXRs of disjoint sample ranges", cli_merge},
+    {"info", "say what a scene file or an EXR holds", cli_info},
+    {"spectrum", "list the spectrum library, or print an entry", cli_spectrum},
+    {"serve", "speak the stream on stdin and stdout (for the add-on)", cli_serve},
+};
+
+static void print_help(FILE *out)
+{
+    fputs("Stokes " STOKES_VERSION ": fluorescent spectral rendering.\n\nUsage: stokes COMMAND [OPTION…] [ARGUMENT…]\n\n", out);
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
+    fputs("\n`stokes COMMAND --help` tells all of a command.\n", out);
+}
+
+int main(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    opterr = 0; /* errors are one line, and ours */
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        if (strcmp(name, commands[i].name) == 0)
+            return commands[i].run(argc - 1, argv + 1);
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        print_help(stdout);
+        return 0;
+    }
+    if (strcmp(name, "--version") == 0) {
+        puts("stokes " STOKES_VERSION);
+        return 0;
+    }
+    if (*name)
+        fprintf(stderr, "stokes: %s: command: is unknown; see `stokes --help`\n", name);
+    else
+        print_help(stderr);
+    return CLI_USAGE;
+}

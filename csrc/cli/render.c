@@ -1,0 +1,247 @@
+/* `stokes render`: a scene file to an EXR or PNG. */
+#include <getopt.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli.h"
+
+#define OUTPUTS_MAX 8
+
+static const char help[] =
+    "Usage: stokes render SCENE -o OUT [OPTION…]\n"
+    "\n"
+    "Renders a scene file (.stokes). What is not given comes from the scene.\n"
+    "\n"
+    "  -o, --output FILE        .exr: linear RGBA, spectral bins, and all that `stokes merge` needs;\n"
+    "                           .png: as the scene's display and view show it. May be given more than once\n"
+    "  -s, --samples N | A:B    N samples of each pixel, or the samples [A, B) (A counts from 0)\n"
+    "  -i, --integrator NAME    pt, pt_nee, lt or mbdpt\n"
+    "      --techniques LIST    only these light and camera vertex counts, as \"2,2 3,1\"; \"\" is all\n"
+    "      --max-path N         edges of the longest path\n"
+    "      --d0 NM              half-width of the first sample's spectral kernel\n"
+    "      --shrink S           its exponent: the n-th sample has d0 n^-S\n"
+    "      --bins N             spectral bins in the EXR; 0: none\n"
+    "      --bins-range A:B     their range in nm (default: the visible part of the scene's range)\n"
+    "      --seed N             another set of random numbers\n"
+    "  -t, --threads N          0: all processors\n"
+    "      --time-limit S       start no pass that would end later than so many seconds\n"
+    "  -q, --quiet              no progress, no report\n"
+    "  -h, --help\n"
+    "\n"
+    "Ctrl-C ends the render; whole passes are written. Images depend on scene, seed and samples alone, not on\n"
+    "threads: parts of the sample range, rendered anywhere, merge to the bits of the whole.\n"
+    "Exit status: 0 done, 1 an error (one line on stderr), 2 wrong usage, 130 cancelled (and written).\n";
+
+struct job {
+    const char *scene, *output[OUTPUTS_MAX];
+    size_t outputs;
+    stokes_overrides overrides;
+    bool quiet, shows_help;
+};
+
+static volatile sig_atomic_t interrupted; /* a signal handler has nothing else to write to */
+
+static void on_interrupt(int signal_number)
+{
+    (void)signal_number;
+    if (interrupted)
+        _exit(CLI_CANCELLED); /* asked twice: now */
+    interrupted = 1;
+}
+
+static bool on_cancelled(void *user)
+{
+    (void)user;
+    return interrupted;
+}
+
+static void on_warning(void *user, const stokes_error *what)
+{
+    (void)user;
+    fprintf(stderr, "%sstokes: warning: %s%s%s: %s\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", what->object,
+            *what->property ? ": " : "", what->property, what->text);
+}
+
+static void print_duration(double seconds)
+{
+    long whole = (long)(seconds + 0.5);
+    if (whole >= 3600)
+        fprintf(stderr, "%ld h %02ld min", whole / 3600, whole / 60 % 60);
+    else if (whole >= 60)
+        fprintf(stderr, "%ld min %02ld s", whole / 60, whole % 60);
+    else
+        fprintf(stderr, "%ld s", whole);
+}
+
+static void on_progress(void *user, int sample, int samples, double seconds, double remaining)
+{
+    (void)user;
+    bool terminal = isatty(STDERR_FILENO);
+    static const char start[] = "\r\033[K";
+    if (!terminal && sample < samples && seconds > 0)
+        return; /* a log wants no animation */
+    fprintf(stderr, "%ssample %d of %d, ", terminal ? start : "", sample, samples);
+    print_duration(seconds);
+    if (remaining >= 0 && sample < samples) {
+        fputs(", ", stderr);
+        print_duration(remaining);
+        fputs(" left", stderr);
+    }
+    if (!terminal || sample == samples)
+        fputc('\n', stderr);
+}
+
+/* --- Options ----------------------------------------------------------------------------------------------- */
+
+enum { OPTION_TECHNIQUES = 256, OPTION_MAX_PATH, OPTION_D0, OPTION_SHRINK, OPTION_BINS, OPTION_BINS_RANGE, OPTION_SEED,
+       OPTION_TIME_LIMIT };
+
+static const struct option options[] = {
+    {"output", required_argument, NULL, 'o'},
+    {"samples", required_argument, NULL, 's'},
+    {"integrator", required_argument, NULL, 'i'},
+    {"techniques", required_argument, NULL, OPTION_TECHNIQUES},
+    {"max-path", required_argument, NULL, OPTION_MAX_PATH},
+    {"d0", required_argument, NULL, OPTION_D0},
+    {"shrink", required_argument, NULL, OPTION_SHRINK},
+    {"bins", required_argument, NULL, OPTION_BINS},
+    {"bins-range", required_argument, NULL, OPTION_BINS_RANGE},
+    {"seed", required_argument, NULL, OPTION_SEED},
+    {"threads", required_argument, NULL, 't'},
+    {"time-limit", required_argument, NULL, OPTION_TIME_LIMIT},
+    {"quiet", no_argument, NULL, 'q'},
+    {"help", no_argument, NULL, 'h'},
+    {0},
+};
+
+static bool read_range(const char *text, double high, double *first, double *end)
+{
+    char start[64];
+    const char *colon = strchr(text, ':');
+    if (!colon || (size_t)(colon - text) >= sizeof start)
+        return false;
+    memcpy(start, text, (size_t)(colon - text));
+    start[colon - text] = '\0';
+    return cli_number(start, 0, high, first) && cli_number(colon + 1, *first, high, end) && *first < *end;
+}
+
+static bool read_samples(const char *text, stokes_overrides *o)
+{
+    double first = 0, end = 0;
+    if (!read_range(text, 1 << 30, &first, &end) && !cli_number(text, 1, 1 << 30, &end))
+        return false;
+    o->first_sample = (int)first;
+    o->end_sample = (int)end;
+    return first == o->first_sample && end == o->end_sample;
+}
+
+static bool read_int(const char *text, int *value)
+{
+    int64_t whole;
+    if (!cli_whole(text, 0, 1 << 30, &whole))
+        return false;
+    *value = (int)whole;
+    return true;
+}
+
+/* False if the argument is not what the option takes. */
+static bool read_option(int option, struct job *job)
+{
+    stokes_overrides *o = &job->overrides;
+    switch (option) {
+    case 'o':
+        if (job->outputs == OUTPUTS_MAX)
+            return false;
+        job->output[job->outputs++] = optarg;
+        return true;
+    case 's': return read_samples(optarg, o);
+    case 'i': o->integrator = optarg; return true;
+    case 't': return read_int(optarg, &o->threads);
+    case 'q': job->quiet = true; return true;
+    case 'h': job->shows_help = true; return true;
+    case OPTION_TECHNIQUES: o->techniques = optarg; return true;
+    case OPTION_MAX_PATH: return read_int(optarg, &o->max_path);
+    case OPTION_D0: return cli_number(optarg, 0, 1e6, &o->d0_nm);
+    case OPTION_SHRINK: return cli_number(optarg, 0, 1, &o->shrink);
+    case OPTION_BINS: return read_int(optarg, &o->spectral_bins);
+    case OPTION_BINS_RANGE: return read_range(optarg, 1e6, &o->bins_min_nm, &o->bins_max_nm);
+    case OPTION_SEED: return cli_whole(optarg, 0, UINT32_MAX, &o->seed);
+    case OPTION_TIME_LIMIT: return cli_number(optarg, 0, 1e9, &o->time_limit_s);
+    }
+    return false;
+}
+
+static bool is_picture(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && (strcmp(dot, ".exr") == 0 || strcmp(dot, ".png") == 0);
+}
+
+/* 0, or the exit status of wrong usage. */
+static int read_options(int argc, char **argv, struct job *job)
+{
+    int option, index = -1;
+    *job = (struct job){.overrides = stokes_overrides_default()};
+    while ((option = getopt_long(argc, argv, "o:s:i:t:qh", options, &index)) != -1) {
+        if (option == '?')
+            return cli_usage("render", "'%s' is no option, or lacks its argument", argv[optind - 1]);
+        if (!read_option(option, job))
+            return cli_usage("render", "'%s' is not what %s takes", optarg, argv[optind - (optarg == argv[optind - 1] ? 2 : 1)]);
+    }
+    if (job->shows_help)
+        return 0;
+    if (optind + 1 != argc)
+        return cli_usage("render", "%s", optind == argc ? "a scene file is wanted" : "one scene file is wanted");
+    job->scene = argv[optind];
+    if (job->outputs == 0)
+        return cli_usage("render", "an output is wanted (-o)");
+    for (size_t i = 0; i < job->outputs; i++)
+        if (!is_picture(job->output[i]))
+            return cli_usage("render", "'%s' ends neither in .exr nor in .png", job->output[i]);
+    return 0;
+}
+
+/* --- The job ----------------------------------------------------------------------------------------------- */
+
+static bool run(stokes_session *session, const struct job *job, stokes_error *err)
+{
+    if (!stokes_session_load(session, job->scene, err) ||
+        !stokes_session_render(session, &job->overrides, NULL, 0, err))
+        return false;
+    if (interrupted && stokes_session_samples(session) == 0) {
+        fputs("stokes: render: cancelled before the first pass was whole: nothing is written\n", stderr);
+        return true;
+    }
+    for (size_t i = 0; i < job->outputs; i++)
+        if (!stokes_session_write(session, job->output[i], err))
+            return false;
+    return true;
+}
+
+int cli_render(int argc, char **argv)
+{
+    struct job job;
+    stokes_error err = {.text = "out of memory"};
+    int status = read_options(argc, argv, &job);
+    if (status)
+        return status;
+    if (job.shows_help) {
+        fputs(help, stdout);
+        return 0;
+    }
+    const stokes_listener listener = {.warning = on_warning, .progress = job.quiet ? NULL : on_progress,
+                                      .cancelled = on_cancelled};
+    struct sigaction action = {.sa_handler = on_interrupt};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    stokes_session *session = stokes_session_create(&listener);
+    bool good = session && run(session, &job, &err);
+    if (!good)
+        cli_fail(&err);
+    else if (!job.quiet)
+        fputs(stokes_session_report(session), stderr);
+    stokes_session_destroy(session);
+    return !good ? CLI_FAILED : interrupted ? CLI_CANCELLED : 0;
+}
