@@ -1,0 +1,88 @@
+"""Fixtures and helpers of the whole-render tests: running `stokes`, batches by seed, and the marker `long`."""
+
+import concurrent.futures
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+
+import exr  # noqa: E402  (found by the line above)
+
+ROOT = pathlib.Path(__file__).parents[2]
+TIMEOUT = 600  # seconds, for one render; `long` renders are many, not longer
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "long: the same claims with ten times the precision (make test-long)")
+
+
+def pytest_collection_modifyitems(config, items):
+    if "long" in (config.getoption("markexpr") or ""):
+        return
+    skip = pytest.mark.skip(reason="long: run by make test-long")
+    for item in items:
+        if "long" in item.keywords:
+            item.add_marker(skip)
+
+
+class Core:
+    """The `stokes` executable."""
+
+    def __init__(self, path, directory):
+        self.path, self.directory = path, directory
+        self.count = 0
+
+    def run(self, *arguments, check=True):
+        result = subprocess.run(
+            [self.path, *map(str, arguments)], capture_output=True, text=True, timeout=TIMEOUT, errors="replace"
+        )
+        if check:
+            assert result.returncode == 0, "stokes %s: %s" % (" ".join(map(str, arguments)), result.stderr)
+        return result
+
+    def render(self, scene, name=None, keep=False, **options):
+        """The picture of a scene. Options are those of `stokes render`, with _ for -."""
+        if name is None:
+            self.count += 1
+            name = "render-%d-%d.exr" % (os.getpid(), self.count)
+        out = self.directory / name
+        arguments = [text for key, value in options.items() for text in ("--" + key.replace("_", "-"), value)]
+        self.run("render", scene, "-o", out, *arguments)
+        picture = exr.read(out)
+        if not keep:
+            out.unlink()
+        return picture
+
+    def batches(self, scene, integrator, count, spp, bins, measure, first_seed=1, **options):
+        """`measure` of `count` independent renders (by seed), a row each. As many at a time as there are processors."""
+        low, high = ("%g" % edge for edge in bins[1:])
+
+        def one(seed):
+            picture = self.render(
+                scene,
+                name="%s-%s-%d.exr" % (pathlib.Path(scene).stem, integrator, seed),
+                integrator=integrator,
+                spp=spp,
+                seed=seed,
+                threads=1,
+                spectral_bins="%d:%s:%s" % (bins[0], low, high),
+                **options,
+            )
+            return measure(picture)
+
+        workers = len(os.sched_getaffinity(0))
+        with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+            return np.array(list(pool.map(one, range(first_seed, first_seed + count))))
+
+
+@pytest.fixture(scope="session")
+def core(tmp_path_factory):
+    path = pathlib.Path(os.environ.get("STOKES", ROOT / "build/stokes"))
+    if not path.exists():
+        pytest.fail("%s is not built; run `make core`" % path)
+    return Core(path, tmp_path_factory.mktemp("renders"))

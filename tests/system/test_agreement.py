@@ -1,0 +1,68 @@
+"""All integrators give the same picture: by blocks of 16 × 16 pixels and by wavelength, in a box with a fluorescent wall, a
+dispersive glass ball and a metal one.
+
+`lt` cannot make a path that ends on a mirror or glass seen by the pinhole: it is compared where only the fluorescent wall is
+seen (with every path to it, caustics too), and in the box without specular balls."""
+
+import math
+
+import numpy as np
+import pytest
+
+import scenes
+import stats
+
+BATCHES = 32
+BLOCK = 16
+BINS = (8, 380, 780)
+KERNEL = {"d0": 2, "shrink": 0}
+# Relative errors that a block, a bin and the whole picture would show.
+SEES = {"block": 0.15, "bin": 0.15, "whole": 0.03}
+
+
+def measure(picture):
+    """Mean radiance of every block, spectrum of the whole picture, and the whole."""
+    _, bins = picture.bins()
+    bins = bins.astype(np.float64)
+    energy = bins.mean(axis=0)
+    rows, columns = energy.shape
+    blocks = energy.reshape(rows // BLOCK, BLOCK, columns // BLOCK, BLOCK).mean(axis=(1, 3))
+    return np.concatenate([blocks.ravel(), bins.mean(axis=(1, 2)), [energy.mean()]])
+
+
+def names_and_promises(resolution):
+    columns, rows = resolution[0] // BLOCK, resolution[1] // BLOCK
+    edges = np.linspace(BINS[1], BINS[2], BINS[0] + 1)
+    names = ["block %d,%d" % (x, y) for y in range(rows) for x in range(columns)]
+    names += ["%g–%g nm" % pair for pair in zip(edges, edges[1:])] + ["whole"]
+    sees = [SEES["block"]] * (columns * rows) + [SEES["bin"]] * BINS[0] + [SEES["whole"]]
+    return names, np.array(sees)
+
+
+RESOLUTION = (64, 48)
+VIEWS = {
+    "specular balls seen": ({"view": "front"}, ["pt_nee", "mbdpt"]),
+    "caustics on the wall": ({"view": "wall"}, ["pt_nee", "lt", "mbdpt"]),
+    "diffuse balls": ({"view": "front", "specular": False}, ["pt_nee", "lt", "mbdpt"]),
+}
+SAMPLES = {"pt": 96, "pt_nee": 48, "lt": 48, "mbdpt": 24}
+
+
+@pytest.fixture(scope="module", params=list(VIEWS))
+def view(request, core, tmp_path_factory):
+    options, others = VIEWS[request.param]
+    path = tmp_path_factory.mktemp("agreement") / "box.stokes"
+    scenes.box(path, resolution=RESOLUTION, **options, **KERNEL)
+    reference = core.batches(path, "pt", BATCHES, SAMPLES["pt"], BINS, measure)
+    return request.param, path, others, reference
+
+
+@pytest.mark.parametrize("integrator", ["pt_nee", "lt", "mbdpt"])
+def test_integrator_agrees_with_path_tracing(core, view, integrator):
+    name, path, others, reference = view
+    if integrator not in others:
+        pytest.skip("lt cannot make paths that end on a specular surface seen by a pinhole")
+    found = core.batches(path, integrator, BATCHES, SAMPLES[integrator], BINS, measure, first_seed=1000)
+    names, sees = names_and_promises(RESOLUTION)
+    assert math.isfinite(reference.sum())
+    stats.assert_same("%s, %s" % (name, integrator), found, reference, sees, names=names)

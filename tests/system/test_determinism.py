@@ -1,0 +1,79 @@
+"""The image is a function of scene, seed and sample range: threads, parts and borders change no bit."""
+
+import numpy as np
+import pytest
+
+import exr
+import scenes
+
+INTEGRATORS = ["pt", "pt_nee", "lt", "mbdpt"]
+RESOLUTION = (40, 30)
+BINS = {"spectral_bins": "8:380:780"}
+
+
+@pytest.fixture(params=INTEGRATORS)
+def integrator(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    path = tmp_path_factory.mktemp("determinism") / "box.stokes"
+    scenes.box(path, resolution=RESOLUTION)
+    return path
+
+
+def assert_same_bits(first, second):
+    assert first.samples() == second.samples()
+    assert np.array_equal(first.sums(), second.sums())
+    for name in "RGBA":
+        assert np.array_equal(first.channels[name], second.channels[name])
+
+
+def test_threads_change_no_bit(core, scene, integrator):
+    pictures = [
+        core.render(scene, integrator=integrator, seed=3, spp=16, threads=threads, **BINS) for threads in (1, 2, 5)
+    ]
+    assert pictures[0].sums().any()
+    assert_same_bits(pictures[0], pictures[1])
+    assert_same_bits(pictures[0], pictures[2])
+
+
+def test_seeds_change_the_picture(core, scene, integrator):
+    first, second = (core.render(scene, integrator=integrator, seed=seed, spp=4, **BINS) for seed in (3, 4))
+    assert not np.array_equal(first.sums(), second.sums())
+
+
+def test_merged_sample_ranges_equal_one_render(core, scene, integrator, tmp_path):
+    """Whatever the order of merging; mbdpt's kernel width depends on the global sample index."""
+    whole = core.render(scene, integrator=integrator, seed=3, samples="0:64", **BINS)
+    for name, samples in (("a", "0:32"), ("b", "32:48"), ("c", "48:64")):
+        core.render(scene, name=name + ".exr", keep=True, integrator=integrator, seed=3, samples=samples, **BINS)
+    parts = [core.directory / (name + ".exr") for name in "abc"]
+    for number, order in enumerate([(0, 1, 2), (2, 1, 0)]):
+        out = tmp_path / ("merged%d.exr" % number)
+        core.run("merge", "-o", out, *[parts[i] for i in order])
+        assert_same_bits(whole, exr.read(out))
+
+
+def test_border_equals_crop(core, scene, integrator, tmp_path):
+    x0, y0, x1, y1 = 7, 4, 29, 21
+    bordered = tmp_path / "border.stokes"
+    scenes.box(bordered, resolution=RESOLUTION, border=[x0, y0, x1, y1])
+    whole = core.render(scene, integrator=integrator, seed=3, spp=16, **BINS)
+    part = core.render(bordered, integrator=integrator, seed=3, spp=16, **BINS)
+    assert part.data_window == (x0, RESOLUTION[1] - y1, x1 - 1, RESOLUTION[1] - 1 - y0)
+    assert np.array_equal(whole.sums()[:, y0:y1, x0:x1], part.sums())
+
+
+def test_parts_that_overlap_or_differ_are_refused(core, scene, tmp_path):
+    for name, seed, samples in (("one", 3, "0:8"), ("over", 3, "4:12"), ("other", 4, "8:16")):
+        core.render(scene, name=name + ".exr", keep=True, integrator="pt", seed=seed, samples=samples, **BINS)
+    out = tmp_path / "merged.exr"
+    for name in ("over", "other"):
+        result = core.run(
+            "merge", "-o", out, core.directory / "one.exr", core.directory / (name + ".exr"), check=False
+        )
+        assert result.returncode != 0
+        assert len(result.stderr.strip().splitlines()) == 1
+        assert not out.exists()
