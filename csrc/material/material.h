@@ -48,7 +48,6 @@ struct hit {
     uint32_t instance, primitive;
     const void *mesh; /* struct hit_mesh (hit_mesh.h), for further UV layers */
     int light; /* index of the emitter that this surface is, or −1 */
-    float handedness; /* the bitangent is handedness · ns × tangent: ±1 */
 };
 
 struct material; /* compiled; immutable; shared by threads */

@@ -1,11 +1,9 @@
-/* What lamps and the world emit: a spectrum, and a texture whose colours are upsampled under D65 (architecture.md, "Colour and
-   scale"): scale · max(c) · upsample(c/max c) · D65/∫D65. */
-#include <stdlib.h>
-
+/* What lamps and the world emit: a spectrum, and a texture whose colours are upsampled under the working space's white
+   (architecture.md, "Colour and scale"): scale · max(c) · upsample(c/max c) · D65/∫D65, where white is D65. */
 #include "base/error.h"
 #include "scene/state.h"
 
-/* Part of a textured light's wavelengths that is drawn from plain D65, so that every texel's colour has support. */
+/* Part of a textured light's wavelengths that is drawn from plain white, so that every texel's colour has support. */
 #define WHITE_PART 0.2f
 
 void emission_free(struct emission *emission)
@@ -14,13 +12,20 @@ void emission_free(struct emission *emission)
     emission->shape = NULL;
 }
 
-void emission_node_destroy(struct emission_node *node)
+struct spectrum *emission_white(const struct scene *scene)
 {
-    if (!node)
-        return;
-    spectrum_destroy(node->spectrum);
-    free(node->texture);
-    free(node);
+    struct range range = scene->context.range;
+    struct spectrum *white = spectrum_white(range, &scene->context.working_space);
+    double luminance = 0;
+    for (float lambda = CMF_MIN_NM; white && lambda <= CMF_MAX_NM; lambda += 1) {
+        float xyz[3];
+        cmf_eval(lambda, xyz);
+        luminance += (double)xyz[1] * spectrum_eval(white, lambda);
+    }
+    luminance *= cmf_normalization(range.min, range.max);
+    struct spectrum *light = luminance > 0 ? spectrum_scaled(white, (float)(1 / luminance)) : NULL;
+    spectrum_destroy(white);
+    return light;
 }
 
 static float clamp_positive(float x)
@@ -29,7 +34,7 @@ static float clamp_positive(float x)
 }
 
 /* Spectrum of the texture's mean colour, mixed with white. */
-static struct spectrum *texture_shape(const struct scene *scene, const float mean_color[3], float factor)
+static struct spectrum *texture_shape(const struct scene *scene, const float mean_color[3], float factor, bool *outside)
 {
     float mean[3], most = 0;
     for (int i = 0; i < 3; i++)
@@ -38,7 +43,7 @@ static struct spectrum *texture_shape(const struct scene *scene, const float mea
         return spectrum_constant(scene->context.range, 0);
     for (int i = 0; i < 3; i++)
         mean[i] = (1 - WHITE_PART) * mean[i] / most + WHITE_PART;
-    struct spectrum *color = spectrum_rgb(scene->context.range, &scene->context.working_space, mean, UV_HOLD, NULL);
+    struct spectrum *color = spectrum_rgb(scene->context.range, &scene->context.working_space, mean, UV_HOLD, outside);
     struct spectrum *lit = color ? spectrum_product(color, scene->illuminant) : NULL;
     struct spectrum *scaled = lit ? spectrum_scaled(lit, factor * most) : NULL;
     spectrum_destroy(color);
@@ -46,12 +51,12 @@ static struct spectrum *texture_shape(const struct scene *scene, const float mea
     return scaled;
 }
 
-static struct spectrum *shape_of(const struct scene *scene, const struct emission *emission, const float mean[3])
+static struct spectrum *shape_of(const struct scene *scene, struct emission *emission, const float mean[3])
 {
     struct spectrum *fixed = emission->fixed ? spectrum_scaled(emission->fixed, 1) : NULL;
     if (!emission->texture)
         return fixed;
-    struct spectrum *textured = texture_shape(scene, mean, emission->scale);
+    struct spectrum *textured = texture_shape(scene, mean, emission->scale, &emission->out_of_reach);
     if (!fixed || !textured)
         return fixed ? fixed : textured;
     struct spectrum *sum = spectrum_sum(fixed, textured);

@@ -84,7 +84,7 @@ static void fill_tangent(const struct object *object, const struct vec3 p[3], co
 {
     hit->uv[0] = hit->uv[1] = 0;
     hit->tangent = vec3(0, 0, 0);
-    hit->handedness = 1;
+    hit->mirrored_uv = false;
     if (!object->mesh->uv_count)
         return;
     const float *uv = object->mesh->uv[0].data;
@@ -98,7 +98,7 @@ static void fill_tangent(const struct object *object, const struct vec3 p[3], co
         return;
     struct vec3 tangent = along(scale(sub(p[1], p[0]), dv2), sub(p[2], p[0]), -dv1);
     hit->tangent = unit(transform_vector(&object->to_world, scale(tangent, copysignf(1, determinant))));
-    hit->handedness = (determinant < 0) != object->mirrored ? -1 : 1;
+    hit->mirrored_uv = (determinant < 0) != object->mirrored;
 }
 
 /* Generated coordinates: 0 … 1 over the bounding box; 0.5 along an axis in which the mesh is flat. */

@@ -265,7 +265,8 @@ static void start_point(const struct scene *scene, int light, struct light_point
 {
     const struct light_kind *kind = scene->lights[light].kind;
     *point = (struct light_point){.light = light, .distant = kind->distant, .delta = kind->delta,
-                                  .has_normal = kind->has_normal, .hit = {.light = light}};
+                                  .has_normal = kind->has_normal, .on_mesh = kind == &light_mesh,
+                                  .hit = {.light = light}};
 }
 
 bool scene_sample_light(const struct scene *scene, const float u[3], struct light_point *point, float *pdf)
@@ -317,7 +318,7 @@ bool scene_sample_light_direction(const struct scene *scene, const struct light_
         return true;
     }
     *pdf = light->kind->sample_direction(scene, light, point, u, direction);
-    *origin = light->kind == &light_mesh ? scene_offset(&point->hit, *direction) : point->position;
+    *origin = point->on_mesh ? scene_offset(&point->hit, *direction) : point->position;
     return *pdf > 0;
 }
 
@@ -343,6 +344,12 @@ void scene_light_point_at(const struct scene *scene, const struct hit *hit, stru
     point->normal = hit->ng;
     point->uv[0] = hit->uv[0];
     point->uv[1] = hit->uv[1];
+}
+
+bool scene_light_seen_by_camera(const struct scene *scene, const struct light_point *point)
+{
+    const struct light *light = &scene->lights[point->light];
+    return (light->mask & RAY_CAMERA) && (point->on_mesh || light->kind->hit);
 }
 
 /* --- Lamps along a ray ----------------------------------------------------------------------------------------- */

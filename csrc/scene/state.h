@@ -91,16 +91,18 @@ struct emission {
     const struct texture *texture;    /* the textured part or NULL */
     float scale;                      /* of the texture */
     const struct rgb_table *table;
-    const struct spectrum *illuminant; /* D65/∫D65 over Λ */
+    const struct spectrum *illuminant; /* scene.illuminant */
     struct spectrum *shape;           /* wavelengths are drawn from it: positive wherever the light emits */
     double total;                     /* ∫ of the mean over Λ */
+    bool out_of_reach;                /* no reflectance has the mean colour of the texture */
 };
 /* `mean` is the texture's mean colour over what it lights. */
 bool emission_compile(struct emission *, const struct scene *, const struct emission_node *, const float mean[3],
                       const char *name, stokes_error *err);
 float emission_at(const struct emission *, struct vec3 coordinates, float lambda);
 void emission_free(struct emission *);
-void emission_node_destroy(struct emission_node *);
+/* The working space's white, scaled to Y = 1 on the film: D65/∫D65 over Λ, or another daylight. Yours. */
+struct spectrum *emission_white(const struct scene *);
 
 struct lamp {
     char *name;
@@ -181,6 +183,7 @@ struct camera {
     float width, height;              /* of the frame */
     struct hit_window window;
 };
+void camera_destroy(struct camera *);
 
 /* --- The scene ----------------------------------------------------------------------------------------------- */
 
@@ -222,7 +225,7 @@ struct scene {
     bool committed;
     struct material_context context;
     struct rgb_table *rgb_table;
-    struct spectrum *illuminant; /* D65/∫D65 */
+    struct spectrum *illuminant; /* emission_white; NULL while no texture emits */
     struct material *default_material;
     char **uv_names;
     uint32_t uv_name_count;
@@ -240,7 +243,6 @@ struct scene {
     struct spectrum *lamp_spectrum;
     struct material **fluorophore_material; /* by fluorophore */
     int *fluorophore_first, fluorophore_count;
-    size_t colors_out_of_reach;
 };
 
 char *copy_text(const char *text);
