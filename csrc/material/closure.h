@@ -13,7 +13,7 @@ struct value_node {
     struct value_node *child[2];
 };
 
-/* S where a BSDF takes it: exactly one of the two. Owned. */
+/* S where a BSDF takes it: a spectrum, or scale·texture as an RGB reflectance. Owned. */
 struct color_node {
     struct spectrum *spectrum;
     struct texture *texture;
@@ -72,6 +72,7 @@ struct closure {
 void closure_destroy(struct closure *);
 void value_node_destroy(struct value_node *);
 void color_node_destroy(struct color_node *);
+void emission_node_destroy(struct emission_node *);
 
 /* What the compiler needs of the scene. Borrowed; must outlive the material. */
 struct material_context {
