@@ -126,13 +126,13 @@ def visibility(shown, parent, context):
     """Ray visibility of an object and of the instancer that shows it, as in Cycles."""
     owners = [owner for owner in (shown, parent) if owner]
     visible = {ray: all(getattr(owner, "visible_" + ray) for owner in owners) for ray in RAYS}
-    if any(owner.indirect_only_get(view_layer=context.view_layer) for owner in owners):
+    if any(owner.indirect_only_get(view_layer=context.depsgraph.view_layer_eval) for owner in owners):
         visible["camera"] = False
     return visible
 
 
 def _is_holdout(owner, context):
-    return owner.is_holdout or owner.holdout_get(view_layer=context.view_layer)
+    return owner.is_holdout or owner.holdout_get(view_layer=context.depsgraph.view_layer_eval)
 
 
 def _warn_of_hair(shown, context):
