@@ -17,8 +17,8 @@ void image_destroy(struct image *image)
     free(image);
 }
 
-static bool check(const char *name, uint32_t width, uint32_t height, int channels, bool eight_bit, size_t bytes,
-                  stokes_error *err)
+static bool check(const char *name, uint32_t width, uint32_t height, int channels, bool eight_bit,
+                  size_t bytes, stokes_error *err)
 {
     if (!width || !height || width > SIDE_MAX || height > SIDE_MAX)
         return fail(err, name, "size", "%u × %u is not within 1 … %u", width, height, SIDE_MAX);
@@ -46,7 +46,8 @@ static bool copy_pixels(struct image *image, int channels, bool eight_bit, const
         float *rgba = image->rgba + 4 * i;
         for (int c = 0; c < 4; c++) {
             int source = channels == 1 && c < 3 ? 0 : c;
-            rgba[c] = source < channels ? channel_at(pixels, eight_bit, i * (size_t)channels + (size_t)source) : 1;
+            rgba[c] =
+                source < channels ? channel_at(pixels, eight_bit, i * (size_t)channels + (size_t)source) : 1;
             if (!isfinite(rgba[c]))
                 return false;
             sum[c] += rgba[c];

@@ -49,7 +49,8 @@ static void look_up_closest(const struct texture *texture, float u, float v, flo
     const struct image *image = texture->image;
     float unused;
     int64_t x = split(u * (float)image->width, &unused), y = split(v * (float)image->height, &unused);
-    add_texel(image, wrap(x, image->width, texture->extension), wrap(y, image->height, texture->extension), 1, rgba);
+    add_texel(image, wrap(x, image->width, texture->extension), wrap(y, image->height, texture->extension), 1,
+              rgba);
 }
 
 static void look_up_linear(const struct texture *texture, float u, float v, float rgba[4])
@@ -57,8 +58,10 @@ static void look_up_linear(const struct texture *texture, float u, float v, floa
     const struct image *image = texture->image;
     float fx, fy;
     int64_t x = split(u * (float)image->width - 0.5f, &fx), y = split(v * (float)image->height - 0.5f, &fy);
-    int64_t x0 = wrap(x, image->width, texture->extension), x1 = wrap(x + 1, image->width, texture->extension);
-    int64_t y0 = wrap(y, image->height, texture->extension), y1 = wrap(y + 1, image->height, texture->extension);
+    int64_t x0 = wrap(x, image->width, texture->extension),
+            x1 = wrap(x + 1, image->width, texture->extension);
+    int64_t y0 = wrap(y, image->height, texture->extension),
+            y1 = wrap(y + 1, image->height, texture->extension);
     add_texel(image, x0, y0, (1 - fx) * (1 - fy), rgba);
     add_texel(image, x1, y0, fx * (1 - fy), rgba);
     add_texel(image, x0, y1, (1 - fx) * fy, rgba);
@@ -80,7 +83,8 @@ void texture_lookup(const struct texture *texture, struct vec3 coordinates, floa
     }
 }
 
-float texture_channel_value(const struct texture *texture, const float rgba[4], const float luminance_weights[3])
+float texture_channel_value(const struct texture *texture, const float rgba[4],
+                            const float luminance_weights[3])
 {
     switch (texture->channel) {
     case TEXTURE_R:

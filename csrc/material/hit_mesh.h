@@ -38,7 +38,8 @@ static inline struct vec3 hit_uv(const struct hit *hit, uint32_t layer)
     const float *b = uv + 2 * (size_t)hit_corner(mesh, hit->primitive, 1);
     const float *c = uv + 2 * (size_t)hit_corner(mesh, hit->primitive, 2);
     float w = 1 - hit->bary_u - hit->bary_v;
-    return vec3(w * a[0] + hit->bary_u * b[0] + hit->bary_v * c[0], w * a[1] + hit->bary_u * b[1] + hit->bary_v * c[1], 0);
+    return vec3(w * a[0] + hit->bary_u * b[0] + hit->bary_v * c[0],
+                w * a[1] + hit->bary_u * b[1] + hit->bary_v * c[1], 0);
 }
 
 static inline struct vec3 hit_window_coordinates(const struct hit *hit)
@@ -50,7 +51,8 @@ static inline struct vec3 hit_window_coordinates(const struct hit *hit)
     struct vec3 p = transform_point(&window->to_camera, hit->position);
     if (!window->orthographic)
         p = p.z != 0 ? scale(p, -1 / p.z) : vec3(0, 0, 0);
-    return vec3((p.x - window->left) * window->inverse_width, (p.y - window->bottom) * window->inverse_height, 0);
+    return vec3((p.x - window->left) * window->inverse_width, (p.y - window->bottom) * window->inverse_height,
+                0);
 }
 
 /* What a texture is looked up at, before its own transform (texture_lookup applies that). */
@@ -58,7 +60,8 @@ static inline struct vec3 hit_coordinates(const struct hit *hit, const struct te
 {
     switch (texture->projection) {
     case TEXTURE_UV:
-        return texture->uv_layer == 0 ? vec3(hit->uv[0], hit->uv[1], 0) : hit_uv(hit, (uint32_t)texture->uv_layer);
+        return texture->uv_layer == 0 ? vec3(hit->uv[0], hit->uv[1], 0)
+                                      : hit_uv(hit, (uint32_t)texture->uv_layer);
     case TEXTURE_GENERATED:
         return hit->generated;
     case TEXTURE_OBJECT:

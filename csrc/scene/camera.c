@@ -17,13 +17,13 @@ static bool check_frame(const struct camera_input *in, stokes_error *err)
     const int *b = in->border, *size = in->resolution;
     if (!(f[1] > f[0] && f[3] > f[2]) || !isfinite((f[1] - f[0]) * (f[3] - f[2])) ||
         !((f[1] - f[0]) * (f[3] - f[2]) > 0))
-        return fail(err, "camera", "frame", "[%g, %g, %g, %g] is empty", (double)f[0], (double)f[1], (double)f[2],
-                    (double)f[3]);
+        return fail(err, "camera", "frame", "[%g, %g, %g, %g] is empty", (double)f[0], (double)f[1],
+                    (double)f[2], (double)f[3]);
     if (size[0] < 1 || size[1] < 1)
         return fail(err, "camera", "resolution", "%d × %d has no pixels", size[0], size[1]);
     if (b[0] < 0 || b[1] < 0 || b[2] > size[0] || b[3] > size[1] || b[0] >= b[2] || b[1] >= b[3])
-        return fail(err, "camera", "border", "[%d, %d, %d, %d] is not within %d × %d pixels", b[0], b[1], b[2], b[3],
-                    size[0], size[1]);
+        return fail(err, "camera", "border", "[%d, %d, %d, %d] is not within %d × %d pixels", b[0], b[1],
+                    b[2], b[3], size[0], size[1]);
     return true;
 }
 
@@ -65,7 +65,10 @@ static void derive_window(struct camera *camera)
     camera->height = frame[3] - frame[2];
     camera->window = (struct hit_window){
         .to_camera = {{x.x, x.y, x.z, -dot(x, o), y.x, y.y, y.z, -dot(y, o), z.x, z.y, z.z, -dot(z, o)}},
-        .left = frame[0], .bottom = frame[2], .inverse_width = 1 / camera->width, .inverse_height = 1 / camera->height,
+        .left = frame[0],
+        .bottom = frame[2],
+        .inverse_width = 1 / camera->width,
+        .inverse_height = 1 / camera->height,
         .orthographic = camera->input.orthographic};
 }
 
@@ -93,7 +96,8 @@ bool scene_set_camera(struct scene *scene, const struct camera_input *in, stokes
 static void sample_polygon(int blades, float rotation, const float u[2], float point[2])
 {
     float sector = floorf(u[0] * (float)blades), within = u[0] * (float)blades - sector;
-    float root = sqrtf(within), a = root * (1 - u[1]), b = root * u[1]; /* weights of the sector's two outer corners */
+    float root = sqrtf(within), a = root * (1 - u[1]),
+          b = root * u[1]; /* weights of the sector's two outer corners */
     float half = PI_F / (float)blades, middle = rotation + 2 * half * sector;
     point[0] = a * cosf(middle - half) + b * cosf(middle + half);
     point[1] = a * sinf(middle - half) + b * sinf(middle + half);
@@ -143,11 +147,12 @@ static struct ray perspective_ray(const struct camera *camera, float x, float y,
     direction = scale(direction, 1 / stretch);
     point->position = add(camera->position, in_world(camera, lens[0], lens[1], 0));
     *pdf = perspective_pdf(camera, direction);
-    return (struct ray){point->position, direction, in->clip[0] * stretch, fminf(in->clip[1] * stretch, FLT_MAX), RAY_CAMERA};
+    return (struct ray){point->position, direction, in->clip[0] * stretch,
+                        fminf(in->clip[1] * stretch, FLT_MAX), RAY_CAMERA};
 }
 
-struct ray scene_camera_ray(const struct scene *scene, float x, float y, const float u[2], struct camera_point *point,
-                            float *pdf)
+struct ray scene_camera_ray(const struct scene *scene, float x, float y, const float u[2],
+                            struct camera_point *point, float *pdf)
 {
     const struct camera *camera = scene->camera;
     const struct camera_input *in = &camera->input;

@@ -26,7 +26,8 @@ static void mesh_uv(const struct hit *hit, int layer, float uv[2])
 static bool same_context(const struct material_context *a, const struct scene_setup *b)
 {
     return a->range.min == b->range.min && a->range.max == b->range.max && a->uv_rule == b->uv_rule &&
-           memcmp(a->working_space.rgb_to_xyz, b->working_space.rgb_to_xyz, sizeof a->working_space.rgb_to_xyz) == 0;
+           memcmp(a->working_space.rgb_to_xyz, b->working_space.rgb_to_xyz,
+                  sizeof a->working_space.rgb_to_xyz) == 0;
 }
 
 /* Spectra are tabulated over Λ when they come in, so what is compiled cannot follow a change of it. */
@@ -40,7 +41,8 @@ static bool set_context(struct scene *scene, const struct scene_setup *setup, st
     for (size_t i = 0; i < scene->materials.count; i++)
         if (((const struct material_slot *)scene->materials.entry[i].item)->compiled)
             return fail(err, "settings", "lambda_min",
-                        "wavelength range, UV rule or working space changed after materials were sent: send them again");
+                        "wavelength range, UV rule or working space changed after materials were sent: send "
+                        "them again");
     rgb_table_destroy(scene->rgb_table);
     spectrum_destroy(scene->illuminant);
     material_destroy(scene->default_material);
@@ -48,8 +50,10 @@ static bool set_context(struct scene *scene, const struct scene_setup *setup, st
     scene->illuminant = NULL;
     scene->default_material = NULL;
     scene->materials_dirty = scene->lights_dirty = true;
-    scene->context = (struct material_context){
-        .range = setup->range, .uv_rule = setup->uv_rule, .working_space = setup->working_space, .mesh_uv = mesh_uv};
+    scene->context = (struct material_context){.range = setup->range,
+                                               .uv_rule = setup->uv_rule,
+                                               .working_space = setup->working_space,
+                                               .mesh_uv = mesh_uv};
     for (int i = 0; i < 3; i++) /* Y of the primaries */
         scene->context.luminance[i] = (float)setup->working_space.rgb_to_xyz[3 + i];
     return true;
@@ -103,7 +107,8 @@ static bool make_default(struct scene *scene, const struct scene_setup *setup, s
 }
 
 /* A material that failed stays so until it is sent again; its error is told at each commit. */
-static bool compile(struct scene *scene, const struct scene_setup *setup, struct material_slot *slot, stokes_error *err)
+static bool compile(struct scene *scene, const struct scene_setup *setup, struct material_slot *slot,
+                    stokes_error *err)
 {
     if (slot->closure) {
         struct closure *closure = slot->closure;
@@ -121,7 +126,8 @@ static bool number_fluorophores(struct scene *scene, stokes_error *err)
 {
     int count = 0;
     for (size_t i = 0; i < scene->materials.count; i++)
-        count += material_fluorophore_count(((const struct material_slot *)scene->materials.entry[i].item)->compiled);
+        count += material_fluorophore_count(
+            ((const struct material_slot *)scene->materials.entry[i].item)->compiled);
     struct material **material = malloc(((size_t)count + 1) * sizeof *material);
     int *first = malloc(((size_t)count + 1) * sizeof *first);
     if (!material || !first) {
@@ -181,7 +187,8 @@ static bool resolve_layers(struct scene *scene, stokes_error *err)
 {
     bool good = true;
     for (size_t i = 0; i < scene->materials.count; i++) {
-        const struct material *material = ((const struct material_slot *)scene->materials.entry[i].item)->compiled;
+        const struct material *material =
+            ((const struct material_slot *)scene->materials.entry[i].item)->compiled;
         for (size_t t = 0; good && t < material_texture_count(material); t++) {
             struct texture *texture = material_texture(material, t);
             texture->uv_layer = layer_index(scene, texture->uv_name);
@@ -195,8 +202,8 @@ static bool resolve_layers(struct scene *scene, stokes_error *err)
 
 /* --- Instances ------------------------------------------------------------------------------------------------------- */
 
-static const struct material *find_material(const struct scene *scene, const struct instances *instances, size_t slot,
-                                            stokes_error *err)
+static const struct material *find_material(const struct scene *scene, const struct instances *instances,
+                                            size_t slot, stokes_error *err)
 {
     const char *name = slot < instances->material_count ? instances->material_names[slot] : "";
     if (!*name)
@@ -269,8 +276,9 @@ static void measure(struct scene *scene)
         const struct object *object = &scene->objects[i];
         struct vec3 low = object->mesh->low, high = object->mesh->high;
         for (int corner = 0; corner < 8; corner++)
-            grow(&box, transform_point(&object->to_world, vec3(corner & 1 ? low.x : high.x, corner & 2 ? low.y : high.y,
-                                                               corner & 4 ? low.z : high.z)));
+            grow(&box, transform_point(&object->to_world,
+                                       vec3(corner & 1 ? low.x : high.x, corner & 2 ? low.y : high.y,
+                                            corner & 4 ? low.z : high.z)));
     }
     if (scene->camera)
         grow(&box, scene->camera->position);
@@ -286,13 +294,15 @@ static void measure(struct scene *scene)
 static bool image_is_used(const struct scene *scene, const struct image *image)
 {
     for (size_t i = 0; i < scene->materials.count; i++) {
-        const struct material *material = ((const struct material_slot *)scene->materials.entry[i].item)->compiled;
+        const struct material *material =
+            ((const struct material_slot *)scene->materials.entry[i].item)->compiled;
         for (size_t t = 0; t < material_texture_count(material); t++)
             if (material_texture(material, t)->image == image)
                 return true;
     }
     for (size_t i = 0; i < scene->lamps.count; i++) {
-        const struct texture *texture = ((const struct lamp *)scene->lamps.entry[i].item)->input.emission->texture;
+        const struct texture *texture =
+            ((const struct lamp *)scene->lamps.entry[i].item)->input.emission->texture;
         if (texture && texture->image == image)
             return true;
     }
@@ -324,7 +334,8 @@ static bool commit_geometry(struct scene *scene, const struct scene_setup *setup
     if (scene->geometry_dirty && !accel_build(scene, err))
         return false;
     for (size_t i = 0; i < scene->meshes.count; i++)
-        ((struct mesh *)scene->meshes.entry[i].item)->hit.window = scene->camera ? &scene->camera->window : NULL;
+        ((struct mesh *)scene->meshes.entry[i].item)->hit.window =
+            scene->camera ? &scene->camera->window : NULL;
     return true;
 }
 

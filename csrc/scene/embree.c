@@ -20,10 +20,12 @@ struct accel *accel_create(int threads, stokes_error *err)
     struct accel *accel = calloc(1, sizeof *accel);
     if (accel)
         accel->device = rtcNewDevice(settings);
-    if (!accel || !accel->device || !rtcGetDeviceProperty(accel->device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) ||
+    if (!accel || !accel->device ||
+        !rtcGetDeviceProperty(accel->device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) ||
         !rtcGetDeviceProperty(accel->device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED)) {
         accel_destroy(accel);
-        fail(err, "scene", "embree", "this Embree does not start, or was built without ray masks or filter functions");
+        fail(err, "scene", "embree",
+             "this Embree does not start, or was built without ray masks or filter functions");
         return NULL;
     }
     return accel;
@@ -84,8 +86,8 @@ static RTCGeometry mesh_geometry(RTCDevice device, const struct mesh *mesh, cons
                                    3 * sizeof(float), mesh->vertex_count);
         return geometry;
     }
-    float *world = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                           mesh->vertex_count);
+    float *world = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                           3 * sizeof(float), mesh->vertex_count);
     for (size_t i = 0; world && i < mesh->vertex_count; i++) {
         const float *p = mesh->positions + 3 * i;
         struct vec3 q = transform_point(transform, vec3(p[0], p[1], p[2]));
@@ -148,10 +150,18 @@ bool accel_build(struct scene *scene, stokes_error *err)
 
 /* --- Surfaces ------------------------------------------------------------------------------------------------ */
 
-static struct RTCRay embree_ray(struct vec3 origin, struct vec3 direction, float near, float far, uint32_t mask)
+static struct RTCRay embree_ray(struct vec3 origin, struct vec3 direction, float near, float far,
+                                uint32_t mask)
 {
-    return (struct RTCRay){.org_x = origin.x, .org_y = origin.y, .org_z = origin.z, .tnear = near, .dir_x = direction.x,
-                           .dir_y = direction.y, .dir_z = direction.z, .tfar = far, .mask = mask};
+    return (struct RTCRay){.org_x = origin.x,
+                           .org_y = origin.y,
+                           .org_z = origin.z,
+                           .tnear = near,
+                           .dir_x = direction.x,
+                           .dir_y = direction.y,
+                           .dir_z = direction.z,
+                           .tfar = far,
+                           .mask = mask};
 }
 
 /* The top structure's geometry id is the object, whether the hit lies in an instance or not. */
@@ -199,7 +209,8 @@ static void filter_shadow(const struct RTCFilterFunctionNArguments *args)
         args->valid[0] = 0;
 }
 
-float accel_transmittance(const struct scene *scene, struct vec3 origin, struct vec3 direction, float far, float lambda)
+float accel_transmittance(const struct scene *scene, struct vec3 origin, struct vec3 direction, float far,
+                          float lambda)
 {
     struct shadow_query query = {.scene = scene, .lambda = lambda, .transmittance = 1};
     rtcInitIntersectContext(&query.context);
@@ -224,8 +235,12 @@ static void bound_lamp(const struct RTCBoundsFunctionArguments *args)
     const struct scene *scene = args->geometryUserPtr;
     struct vec3 low, high;
     lamp_bounds(scene->lights[scene->hittable[args->primID]].lamp, &low, &high);
-    *args->bounds_o = (struct RTCBounds){.lower_x = low.x, .lower_y = low.y, .lower_z = low.z,
-                                         .upper_x = high.x, .upper_y = high.y, .upper_z = high.z};
+    *args->bounds_o = (struct RTCBounds){.lower_x = low.x,
+                                         .lower_y = low.y,
+                                         .lower_z = low.z,
+                                         .upper_x = high.x,
+                                         .upper_y = high.y,
+                                         .upper_z = high.z};
 }
 
 /* Collects instead of reporting, so that the ray goes on. */
@@ -264,7 +279,8 @@ void accel_lamps(const struct scene *scene, struct lamp_hits *hits)
     struct lamp_query query = {.hits = hits};
     rtcInitIntersectContext(&query.context);
     const struct ray *ray = hits->ray;
-    struct RTCRayHit rayhit = {.ray = embree_ray(ray->origin, ray->direction, ray->near, ray->far, UINT32_MAX)};
+    struct RTCRayHit rayhit = {.ray =
+                                   embree_ray(ray->origin, ray->direction, ray->near, ray->far, UINT32_MAX)};
     rayhit.hit.geomID = rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene->accel->lamps, &query.context, &rayhit);
 }

@@ -34,7 +34,8 @@ static float clamp_positive(float x)
 }
 
 /* Spectrum of the texture's mean colour, mixed with white. */
-static struct spectrum *texture_shape(const struct scene *scene, const float mean_color[3], float factor, bool *outside)
+static struct spectrum *texture_shape(const struct scene *scene, const float mean_color[3], float factor,
+                                      bool *outside)
 {
     float mean[3], most = 0;
     for (int i = 0; i < 3; i++)
@@ -43,7 +44,8 @@ static struct spectrum *texture_shape(const struct scene *scene, const float mea
         return spectrum_constant(scene->context.range, 0);
     for (int i = 0; i < 3; i++)
         mean[i] = (1 - WHITE_PART) * mean[i] / most + WHITE_PART;
-    struct spectrum *color = spectrum_rgb(scene->context.range, &scene->context.working_space, mean, UV_HOLD, outside);
+    struct spectrum *color =
+        spectrum_rgb(scene->context.range, &scene->context.working_space, mean, UV_HOLD, outside);
     struct spectrum *lit = color ? spectrum_product(color, scene->illuminant) : NULL;
     struct spectrum *scaled = lit ? spectrum_scaled(lit, factor * most) : NULL;
     spectrum_destroy(color);
@@ -69,10 +71,14 @@ bool emission_compile(struct emission *emission, const struct scene *scene, cons
                       const float mean[3], const char *name, stokes_error *err)
 {
     emission_free(emission);
-    *emission = (struct emission){.fixed = node->spectrum, .texture = node->texture, .scale = node->scale,
-                                  .table = scene->rgb_table, .illuminant = scene->illuminant};
+    *emission = (struct emission){.fixed = node->spectrum,
+                                  .texture = node->texture,
+                                  .scale = node->scale,
+                                  .table = scene->rgb_table,
+                                  .illuminant = scene->illuminant};
     if (emission->fixed && !(spectrum_min(emission->fixed) >= 0))
-        return fail(err, name, "emission", "is negative (%g) somewhere", (double)spectrum_min(emission->fixed));
+        return fail(err, name, "emission", "is negative (%g) somewhere",
+                    (double)spectrum_min(emission->fixed));
     if (emission->texture && !emission->texture->image)
         return fail(err, name, "emission", "its texture has no image");
     if (emission->texture && !(emission->scale >= 0 && isfinite(emission->scale)))
@@ -96,7 +102,8 @@ static float texel_at(const struct emission *emission, struct vec3 coordinates, 
     for (int i = 0; i < 3; i++)
         rgba[i] /= most;
     struct rgb_curve curve = rgb_table_lookup(emission->table, rgba);
-    return emission->scale * most * rgb_curve_eval(&curve, lambda, UV_HOLD) * spectrum_eval(emission->illuminant, lambda);
+    return emission->scale * most * rgb_curve_eval(&curve, lambda, UV_HOLD) *
+           spectrum_eval(emission->illuminant, lambda);
 }
 
 float emission_at(const struct emission *emission, struct vec3 coordinates, float lambda)

@@ -61,10 +61,12 @@ static struct vec3 interpolate(const float *values, const uint32_t corner[3], fl
 {
     const float *a = values + 3 * (size_t)corner[0], *b = values + 3 * (size_t)corner[1],
                 *c = values + 3 * (size_t)corner[2];
-    return vec3(w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1], w * a[2] + u * b[2] + v * c[2]);
+    return vec3(w * a[0] + u * b[0] + v * c[0], w * a[1] + u * b[1] + v * c[1],
+                w * a[2] + u * b[2] + v * c[2]);
 }
 
-static void fill_normals(const struct object *object, const struct vec3 p[3], const uint32_t corner[3], struct hit *hit)
+static void fill_normals(const struct object *object, const struct vec3 p[3], const uint32_t corner[3],
+                         struct hit *hit)
 {
     const struct mesh *mesh = object->mesh;
     struct vec3 flat = cross(unit(sub(p[1], p[0])), unit(sub(p[2], p[0])));
@@ -80,7 +82,8 @@ static void fill_normals(const struct object *object, const struct vec3 p[3], co
 }
 
 /* ∂p/∂u of the default layer: the columns of (e1 e2)(du1 du2; dv1 dv2)⁻¹, up to a positive factor. */
-static void fill_tangent(const struct object *object, const struct vec3 p[3], const uint32_t corner[3], struct hit *hit)
+static void fill_tangent(const struct object *object, const struct vec3 p[3], const uint32_t corner[3],
+                         struct hit *hit)
 {
     hit->uv[0] = hit->uv[1] = 0;
     hit->tangent = vec3(0, 0, 0);
@@ -88,7 +91,8 @@ static void fill_tangent(const struct object *object, const struct vec3 p[3], co
     if (!object->mesh->uv_count)
         return;
     const float *uv = object->mesh->uv[0].data;
-    const float *a = uv + 2 * (size_t)corner[0], *b = uv + 2 * (size_t)corner[1], *c = uv + 2 * (size_t)corner[2];
+    const float *a = uv + 2 * (size_t)corner[0], *b = uv + 2 * (size_t)corner[1],
+                *c = uv + 2 * (size_t)corner[2];
     float w = 1 - hit->bary_u - hit->bary_v;
     hit->uv[0] = w * a[0] + hit->bary_u * b[0] + hit->bary_v * c[0];
     hit->uv[1] = w * a[1] + hit->bary_u * b[1] + hit->bary_v * c[1];
@@ -107,7 +111,8 @@ static float generated(float x, float low, float high)
     return high > low ? (x - low) / (high - low) : 0.5f;
 }
 
-void scene_fill_hit(const struct scene *scene, uint32_t index, uint32_t triangle, float u, float v, struct hit *hit)
+void scene_fill_hit(const struct scene *scene, uint32_t index, uint32_t triangle, float u, float v,
+                    struct hit *hit)
 {
     const struct object *object = &scene->objects[index];
     const struct mesh *mesh = object->mesh;
@@ -158,7 +163,8 @@ float scene_visibility(const struct scene *scene, struct vec3 from, struct vec3 
     return accel_transmittance(scene, from, sub(to, from), 1 - 2 * ROUNDINGS, lambda);
 }
 
-float scene_visibility_distant(const struct scene *scene, struct vec3 from, struct vec3 direction, float lambda)
+float scene_visibility_distant(const struct scene *scene, struct vec3 from, struct vec3 direction,
+                               float lambda)
 {
     return accel_transmittance(scene, from, direction, INFINITY, lambda);
 }

@@ -143,8 +143,9 @@ void lamp_bounds(const struct lamp *lamp, struct vec3 *low, struct vec3 *high)
 {
     struct vec3 reach;
     if (lamp->input.shape == LIGHT_RECTANGLE || lamp->input.shape == LIGHT_ELLIPSE)
-        reach = vec3(fabsf(lamp->axis_u.x) + fabsf(lamp->axis_v.x), fabsf(lamp->axis_u.y) + fabsf(lamp->axis_v.y),
-                     fabsf(lamp->axis_u.z) + fabsf(lamp->axis_v.z));
+        reach =
+            vec3(fabsf(lamp->axis_u.x) + fabsf(lamp->axis_v.x), fabsf(lamp->axis_u.y) + fabsf(lamp->axis_v.y),
+                 fabsf(lamp->axis_u.z) + fabsf(lamp->axis_v.z));
     else
         reach = vec3(2 * lamp->input.radius, 2 * lamp->input.radius, 2 * lamp->input.radius);
     reach = scale(reach, 0.5001f); /* half of it, and a margin for rounding */

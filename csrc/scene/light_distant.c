@@ -46,8 +46,8 @@ static float pdf_sun(const struct scene *scene, const struct light *light, const
 }
 
 /* Radiance whose integral over the disk, times the cosine to its middle, is the lamp's irradiance: E / (π sin²). */
-static float emission_sun(const struct scene *scene, const struct light *light, const struct light_point *point,
-                          struct vec3 direction, float lambda)
+static float emission_sun(const struct scene *scene, const struct light *light,
+                          const struct light_point *point, struct vec3 direction, float lambda)
 {
     (void)scene;
     (void)point;
@@ -66,12 +66,16 @@ static bool hit_sun(const struct scene *scene, const struct light *light, const 
     return length_squared(sub(ray->direction, light->lamp->normal)) <= 2 * versine(light->lamp->half_angle);
 }
 
-const struct light_kind light_sun = {.distant = true, .has_normal = true, .power = power_sun,
-                                     .sample_point = sample_sun, .pdf_point = pdf_sun, .emission = emission_sun,
+const struct light_kind light_sun = {.distant = true,
+                                     .has_normal = true,
+                                     .power = power_sun,
+                                     .sample_point = sample_sun,
+                                     .pdf_point = pdf_sun,
+                                     .emission = emission_sun,
                                      .hit = hit_sun};
 
-static float sample_sun_delta(const struct scene *scene, const struct light *light, double choice, const float u[2],
-                              struct light_point *point)
+static float sample_sun_delta(const struct scene *scene, const struct light *light, double choice,
+                              const float u[2], struct light_point *point)
 {
     (void)scene;
     (void)choice;
@@ -80,7 +84,8 @@ static float sample_sun_delta(const struct scene *scene, const struct light *lig
     return 1;
 }
 
-static float pdf_sun_delta(const struct scene *scene, const struct light *light, const struct light_point *point)
+static float pdf_sun_delta(const struct scene *scene, const struct light *light,
+                           const struct light_point *point)
 {
     (void)scene;
     (void)light;
@@ -88,8 +93,8 @@ static float pdf_sun_delta(const struct scene *scene, const struct light *light,
     return 1;
 }
 
-static float emission_sun_delta(const struct scene *scene, const struct light *light, const struct light_point *point,
-                                struct vec3 direction, float lambda)
+static float emission_sun_delta(const struct scene *scene, const struct light *light,
+                                const struct light_point *point, struct vec3 direction, float lambda)
 {
     (void)scene;
     (void)point;
@@ -97,8 +102,12 @@ static float emission_sun_delta(const struct scene *scene, const struct light *l
     return emission_at(&light->lamp->emission, vec3(0, 0, 0), lambda);
 }
 
-const struct light_kind light_sun_delta = {.delta = true, .distant = true, .has_normal = true, .power = power_sun,
-                                           .sample_point = sample_sun_delta, .pdf_point = pdf_sun_delta,
+const struct light_kind light_sun_delta = {.delta = true,
+                                           .distant = true,
+                                           .has_normal = true,
+                                           .power = power_sun,
+                                           .sample_point = sample_sun_delta,
+                                           .pdf_point = pdf_sun_delta,
                                            .emission = emission_sun_delta};
 
 /* --- The world ------------------------------------------------------------------------------------------------- */
@@ -115,16 +124,16 @@ static float pdf_world(const struct scene *scene, const struct light *light, con
     return world_pdf(scene->world, point->normal);
 }
 
-static float sample_world(const struct scene *scene, const struct light *light, double choice, const float u[2],
-                          struct light_point *point)
+static float sample_world(const struct scene *scene, const struct light *light, double choice,
+                          const float u[2], struct light_point *point)
 {
     (void)choice;
     point->normal = world_sample(scene->world, u);
     return pdf_world(scene, light, point);
 }
 
-static float emission_world(const struct scene *scene, const struct light *light, const struct light_point *point,
-                            struct vec3 direction, float lambda)
+static float emission_world(const struct scene *scene, const struct light *light,
+                            const struct light_point *point, struct vec3 direction, float lambda)
 {
     (void)light;
     (void)direction;
@@ -141,6 +150,10 @@ static bool hit_world(const struct scene *scene, const struct light *light, cons
     return true;
 }
 
-const struct light_kind light_world = {.distant = true, .has_normal = true, .power = power_world,
-                                       .sample_point = sample_world, .pdf_point = pdf_world,
-                                       .emission = emission_world, .hit = hit_world};
+const struct light_kind light_world = {.distant = true,
+                                       .has_normal = true,
+                                       .power = power_world,
+                                       .sample_point = sample_world,
+                                       .pdf_point = pdf_world,
+                                       .emission = emission_world,
+                                       .hit = hit_world};

@@ -16,8 +16,8 @@ static float pdf_area(const struct scene *scene, const struct light *light, cons
 }
 
 /* Directions of a Lambertian side: density 1/π per projected solid angle. */
-static float sample_lambert(const struct scene *scene, const struct light *light, const struct light_point *point,
-                            const float u[2], struct vec3 *direction)
+static float sample_lambert(const struct scene *scene, const struct light *light,
+                            const struct light_point *point, const float u[2], struct vec3 *direction)
 {
     (void)scene;
     (void)light;
@@ -26,16 +26,16 @@ static float sample_lambert(const struct scene *scene, const struct light *light
     return dot(*direction, point->normal) > 0 ? 1 / PI_F : 0;
 }
 
-static float pdf_lambert(const struct scene *scene, const struct light *light, const struct light_point *point,
-                         struct vec3 direction)
+static float pdf_lambert(const struct scene *scene, const struct light *light,
+                         const struct light_point *point, struct vec3 direction)
 {
     (void)scene;
     (void)light;
     return dot(direction, point->normal) > 0 ? 1 / PI_F : 0;
 }
 
-static float emission_surface(const struct scene *scene, const struct light *light, const struct light_point *point,
-                              struct vec3 direction, float lambda)
+static float emission_surface(const struct scene *scene, const struct light *light,
+                              const struct light_point *point, struct vec3 direction, float lambda)
 {
     (void)scene;
     if (!(dot(direction, point->normal) > 0))
@@ -53,16 +53,16 @@ static void flat_point(const struct lamp *lamp, float u, float v, struct light_p
     point->uv[1] = v;
 }
 
-static float sample_rectangle(const struct scene *scene, const struct light *light, double choice, const float u[2],
-                              struct light_point *point)
+static float sample_rectangle(const struct scene *scene, const struct light *light, double choice,
+                              const float u[2], struct light_point *point)
 {
     (void)choice;
     flat_point(light->lamp, u[0], u[1], point);
     return pdf_area(scene, light, point);
 }
 
-static float sample_ellipse(const struct scene *scene, const struct light *light, double choice, const float u[2],
-                            struct light_point *point)
+static float sample_ellipse(const struct scene *scene, const struct light *light, double choice,
+                            const float u[2], struct light_point *point)
 {
     (void)choice;
     float radius = 0.5f * sqrtf(u[0]), phi = 2 * PI_F * u[1];
@@ -86,8 +86,8 @@ static bool hit_rectangle(const struct scene *scene, const struct light *light, 
                           struct light_point *point, float *t)
 {
     (void)scene;
-    return hit_plane(light->lamp, ray, point, t) && point->uv[0] >= 0 && point->uv[0] <= 1 && point->uv[1] >= 0 &&
-           point->uv[1] <= 1;
+    return hit_plane(light->lamp, ray, point, t) && point->uv[0] >= 0 && point->uv[0] <= 1 &&
+           point->uv[1] >= 0 && point->uv[1] <= 1;
 }
 
 static bool hit_ellipse(const struct scene *scene, const struct light *light, const struct ray *ray,
@@ -100,17 +100,27 @@ static bool hit_ellipse(const struct scene *scene, const struct light *light, co
     return x * x + y * y <= 0.25f;
 }
 
-const struct light_kind light_rectangle = {
-    .has_normal = true, .power = power_surface, .sample_point = sample_rectangle, .pdf_point = pdf_area,
-    .sample_direction = sample_lambert, .pdf_direction = pdf_lambert, .emission = emission_surface, .hit = hit_rectangle};
-const struct light_kind light_ellipse = {
-    .has_normal = true, .power = power_surface, .sample_point = sample_ellipse, .pdf_point = pdf_area,
-    .sample_direction = sample_lambert, .pdf_direction = pdf_lambert, .emission = emission_surface, .hit = hit_ellipse};
+const struct light_kind light_rectangle = {.has_normal = true,
+                                           .power = power_surface,
+                                           .sample_point = sample_rectangle,
+                                           .pdf_point = pdf_area,
+                                           .sample_direction = sample_lambert,
+                                           .pdf_direction = pdf_lambert,
+                                           .emission = emission_surface,
+                                           .hit = hit_rectangle};
+const struct light_kind light_ellipse = {.has_normal = true,
+                                         .power = power_surface,
+                                         .sample_point = sample_ellipse,
+                                         .pdf_point = pdf_area,
+                                         .sample_direction = sample_lambert,
+                                         .pdf_direction = pdf_lambert,
+                                         .emission = emission_surface,
+                                         .hit = hit_ellipse};
 
 /* --- Spheres --------------------------------------------------------------------------------------------------- */
 
-static float sample_sphere(const struct scene *scene, const struct light *light, double choice, const float u[2],
-                           struct light_point *point)
+static float sample_sphere(const struct scene *scene, const struct light *light, double choice,
+                           const float u[2], struct light_point *point)
 {
     (void)choice;
     float z = 1 - 2 * u[0], phi = 2 * PI_F * u[1], r = sqrtf(fmaxf(0, 1 - z * z));
@@ -126,20 +136,27 @@ static bool hit_sphere(const struct scene *scene, const struct light *light, con
     (void)scene;
     struct vec3 d = ray->direction, o = sub(ray->origin, light->lamp->center);
     double radius = light->lamp->input.radius, b = (double)o.x * d.x + (double)o.y * d.y + (double)o.z * d.z;
-    double px = o.x - b * d.x, py = o.y - b * d.y, pz = o.z - b * d.z; /* the ray's nearest point to the centre */
+    double px = o.x - b * d.x, py = o.y - b * d.y,
+           pz = o.z - b * d.z; /* the ray's nearest point to the centre */
     double discriminant = radius * radius - (px * px + py * py + pz * pz);
     if (!(discriminant > 0))
         return false;
     double root = sqrt(discriminant);
     *t = (float)(-b - root);
-    point->normal = normalize(vec3((float)(px - root * d.x), (float)(py - root * d.y), (float)(pz - root * d.z)));
+    point->normal =
+        normalize(vec3((float)(px - root * d.x), (float)(py - root * d.y), (float)(pz - root * d.z)));
     point->position = along(light->lamp->center, point->normal, light->lamp->input.radius);
     return true;
 }
 
-const struct light_kind light_sphere = {
-    .has_normal = true, .power = power_surface, .sample_point = sample_sphere, .pdf_point = pdf_area,
-    .sample_direction = sample_lambert, .pdf_direction = pdf_lambert, .emission = emission_surface, .hit = hit_sphere};
+const struct light_kind light_sphere = {.has_normal = true,
+                                        .power = power_surface,
+                                        .sample_point = sample_sphere,
+                                        .pdf_point = pdf_area,
+                                        .sample_direction = sample_lambert,
+                                        .pdf_direction = pdf_lambert,
+                                        .emission = emission_surface,
+                                        .hit = hit_sphere};
 
 /* --- Points ---------------------------------------------------------------------------------------------------- */
 
@@ -149,8 +166,8 @@ static double power_point(const struct scene *scene, const struct light *light)
     return light->lamp->emission.total * 4 * PI_F;
 }
 
-static float sample_point(const struct scene *scene, const struct light *light, double choice, const float u[2],
-                          struct light_point *point)
+static float sample_point(const struct scene *scene, const struct light *light, double choice,
+                          const float u[2], struct light_point *point)
 {
     (void)scene;
     (void)choice;
@@ -167,8 +184,8 @@ static float pdf_one(const struct scene *scene, const struct light *light, const
     return 1;
 }
 
-static float sample_all_directions(const struct scene *scene, const struct light *light, const struct light_point *point,
-                                   const float u[2], struct vec3 *direction)
+static float sample_all_directions(const struct scene *scene, const struct light *light,
+                                   const struct light_point *point, const float u[2], struct vec3 *direction)
 {
     (void)scene;
     (void)light;
@@ -178,8 +195,8 @@ static float sample_all_directions(const struct scene *scene, const struct light
     return 1 / (4 * PI_F);
 }
 
-static float pdf_all_directions(const struct scene *scene, const struct light *light, const struct light_point *point,
-                                struct vec3 direction)
+static float pdf_all_directions(const struct scene *scene, const struct light *light,
+                                const struct light_point *point, struct vec3 direction)
 {
     (void)scene;
     (void)light;
@@ -188,8 +205,8 @@ static float pdf_all_directions(const struct scene *scene, const struct light *l
     return 1 / (4 * PI_F);
 }
 
-static float emission_point(const struct scene *scene, const struct light *light, const struct light_point *point,
-                            struct vec3 direction, float lambda)
+static float emission_point(const struct scene *scene, const struct light *light,
+                            const struct light_point *point, struct vec3 direction, float lambda)
 {
     (void)scene;
     (void)point;
@@ -197,9 +214,13 @@ static float emission_point(const struct scene *scene, const struct light *light
     return emission_at(&light->lamp->emission, vec3(0, 0, 0), lambda);
 }
 
-const struct light_kind light_point_lamp = {
-    .delta = true, .power = power_point, .sample_point = sample_point, .pdf_point = pdf_one,
-    .sample_direction = sample_all_directions, .pdf_direction = pdf_all_directions, .emission = emission_point};
+const struct light_kind light_point_lamp = {.delta = true,
+                                            .power = power_point,
+                                            .sample_point = sample_point,
+                                            .pdf_point = pdf_one,
+                                            .sample_direction = sample_all_directions,
+                                            .pdf_direction = pdf_all_directions,
+                                            .emission = emission_point};
 
 /* --- Spots ----------------------------------------------------------------------------------------------------- */
 
@@ -248,8 +269,8 @@ static float pdf_cone(const struct scene *scene, const struct light *light, cons
     return 1 / (2 * PI_F * (1 - lamp->cos_half) * lamp->determinant * stretch * stretch * stretch);
 }
 
-static float sample_cone(const struct scene *scene, const struct light *light, const struct light_point *point,
-                         const float u[2], struct vec3 *direction)
+static float sample_cone(const struct scene *scene, const struct light *light,
+                         const struct light_point *point, const float u[2], struct vec3 *direction)
 {
     const struct lamp *lamp = light->lamp;
     float z = 1 - u[0] * (1 - lamp->cos_half), phi = 2 * PI_F * u[1], r = sqrtf(fmaxf(0, 1 - z * z));
@@ -257,16 +278,20 @@ static float sample_cone(const struct scene *scene, const struct light *light, c
     return pdf_cone(scene, light, point, *direction);
 }
 
-static float emission_spot(const struct scene *scene, const struct light *light, const struct light_point *point,
-                           struct vec3 direction, float lambda)
+static float emission_spot(const struct scene *scene, const struct light *light,
+                           const struct light_point *point, struct vec3 direction, float lambda)
 {
     float attenuation = spot_attenuation(light->lamp, direction);
     return attenuation > 0 ? attenuation * emission_point(scene, light, point, direction, lambda) : 0;
 }
 
-const struct light_kind light_spot = {
-    .delta = true, .power = power_spot, .sample_point = sample_point, .pdf_point = pdf_one,
-    .sample_direction = sample_cone, .pdf_direction = pdf_cone, .emission = emission_spot};
+const struct light_kind light_spot = {.delta = true,
+                                      .power = power_spot,
+                                      .sample_point = sample_point,
+                                      .pdf_point = pdf_one,
+                                      .sample_direction = sample_cone,
+                                      .pdf_direction = pdf_cone,
+                                      .emission = emission_spot};
 
 /* A spot with a radius is a sphere whose radiance falls off with direction as the spot's intensity does. Its directions come
    from the cone; over the cosine, to be per projected solid angle. */
@@ -275,27 +300,31 @@ static double power_spot_sphere(const struct scene *scene, const struct light *l
     return power_spot(scene, light) * light->lamp->area / 4; /* a sphere's cross-section */
 }
 
-static float pdf_cone_projected(const struct scene *scene, const struct light *light, const struct light_point *point,
-                                struct vec3 direction)
+static float pdf_cone_projected(const struct scene *scene, const struct light *light,
+                                const struct light_point *point, struct vec3 direction)
 {
     float cosine = dot(direction, point->normal);
     return cosine > 0 ? pdf_cone(scene, light, point, direction) / cosine : 0;
 }
 
-static float sample_cone_projected(const struct scene *scene, const struct light *light, const struct light_point *point,
-                                   const float u[2], struct vec3 *direction)
+static float sample_cone_projected(const struct scene *scene, const struct light *light,
+                                   const struct light_point *point, const float u[2], struct vec3 *direction)
 {
     sample_cone(scene, light, point, u, direction);
     return pdf_cone_projected(scene, light, point, *direction);
 }
 
-static float emission_spot_sphere(const struct scene *scene, const struct light *light, const struct light_point *point,
-                                  struct vec3 direction, float lambda)
+static float emission_spot_sphere(const struct scene *scene, const struct light *light,
+                                  const struct light_point *point, struct vec3 direction, float lambda)
 {
     return dot(direction, point->normal) > 0 ? emission_spot(scene, light, point, direction, lambda) : 0;
 }
 
-const struct light_kind light_spot_sphere = {
-    .has_normal = true, .power = power_spot_sphere, .sample_point = sample_sphere, .pdf_point = pdf_area,
-    .sample_direction = sample_cone_projected, .pdf_direction = pdf_cone_projected, .emission = emission_spot_sphere,
-    .hit = hit_sphere};
+const struct light_kind light_spot_sphere = {.has_normal = true,
+                                             .power = power_spot_sphere,
+                                             .sample_point = sample_sphere,
+                                             .pdf_point = pdf_area,
+                                             .sample_direction = sample_cone_projected,
+                                             .pdf_direction = pdf_cone_projected,
+                                             .emission = emission_spot_sphere,
+                                             .hit = hit_sphere};

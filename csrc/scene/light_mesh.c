@@ -21,7 +21,8 @@ bool triangle_cdf_build(struct triangle_cdf *cdf, const struct instances *instan
     size_t count = 0;
     for (size_t t = 0; t < mesh->triangle_count; t++)
         count += slot_of(instances, mesh, t) == slot;
-    *cdf = (struct triangle_cdf){malloc((count + 1) * sizeof *cdf->triangle), calloc(count + 1, sizeof *cdf->sum), 0};
+    *cdf = (struct triangle_cdf){malloc((count + 1) * sizeof *cdf->triangle),
+                                 calloc(count + 1, sizeof *cdf->sum), 0};
     if (!cdf->triangle || !cdf->sum) {
         triangle_cdf_free(cdf);
         return false;
@@ -72,8 +73,8 @@ static float pdf_triangle(const struct scene *scene, const struct light *light, 
     return world > 0 ? (float)(local / (whole * world)) : 0;
 }
 
-static float sample_point(const struct scene *scene, const struct light *light, double choice, const float u[2],
-                          struct light_point *point)
+static float sample_point(const struct scene *scene, const struct light *light, double choice,
+                          const float u[2], struct light_point *point)
 {
     if (!light->cdf->count)
         return 0;
@@ -93,16 +94,16 @@ static float pdf_point(const struct scene *scene, const struct light *light, con
     return pdf_triangle(scene, light, point->hit.primitive);
 }
 
-static float pdf_direction(const struct scene *scene, const struct light *light, const struct light_point *point,
-                           struct vec3 direction)
+static float pdf_direction(const struct scene *scene, const struct light *light,
+                           const struct light_point *point, struct vec3 direction)
 {
     if (material_emits_on_both_sides(material_of(scene, light)))
         return 1 / (2 * PI_F);
     return dot(direction, point->normal) > 0 ? 1 / PI_F : 0;
 }
 
-static float sample_direction(const struct scene *scene, const struct light *light, const struct light_point *point,
-                              const float u[2], struct vec3 *direction)
+static float sample_direction(const struct scene *scene, const struct light *light,
+                              const struct light_point *point, const float u[2], struct vec3 *direction)
 {
     struct vec3 normal = point->normal;
     float x = u[0];
@@ -123,6 +124,10 @@ static float emission(const struct scene *scene, const struct light *light, cons
     return material_emission(material_of(scene, light), &point->hit, direction, lambda);
 }
 
-const struct light_kind light_mesh = {.has_normal = true, .power = power, .sample_point = sample_point,
-                                      .pdf_point = pdf_point, .sample_direction = sample_direction,
-                                      .pdf_direction = pdf_direction, .emission = emission};
+const struct light_kind light_mesh = {.has_normal = true,
+                                      .power = power,
+                                      .sample_point = sample_point,
+                                      .pdf_point = pdf_point,
+                                      .sample_direction = sample_direction,
+                                      .pdf_direction = pdf_direction,
+                                      .emission = emission};

@@ -45,8 +45,12 @@ static bool add_emitter(struct scene *scene, uint32_t index, size_t slot, stokes
 {
     const struct object *object = &scene->objects[index];
     struct light *light = &scene->lights[scene->light_count++];
-    *light = (struct light){.kind = &light_mesh, .name = object->instances->name, .mask = object->instances->mask,
-                            .object = index, .slot = (uint32_t)slot, .cdf = &object->instances->cdf[slot],
+    *light = (struct light){.kind = &light_mesh,
+                            .name = object->instances->name,
+                            .mask = object->instances->mask,
+                            .object = index,
+                            .slot = (uint32_t)slot,
+                            .cdf = &object->instances->cdf[slot],
                             .spectrum = material_emission_shape(object->instances->materials[slot])};
     if (keeps_area_ratios(&object->to_world))
         return true;
@@ -99,14 +103,19 @@ static bool add_lamps(struct scene *scene, stokes_error *err)
                               texture && texture->image ? texture->image->mean : NULL, lamp->name, err))
             return false;
         if (lamp->emission.total > 0)
-            scene->lights[scene->light_count++] = (struct light){
-                .kind = kind_of(lamp), .name = lamp->name, .spectrum = lamp->emission.shape, .mask = lamp->mask, .lamp = lamp};
+            scene->lights[scene->light_count++] = (struct light){.kind = kind_of(lamp),
+                                                                 .name = lamp->name,
+                                                                 .spectrum = lamp->emission.shape,
+                                                                 .mask = lamp->mask,
+                                                                 .lamp = lamp};
     }
     if (!scene->world || !world_compile(scene, err))
         return !scene->world;
     if (scene->world->emission.total > 0)
-        scene->lights[scene->light_count++] = (struct light){
-            .kind = &light_world, .name = "world", .spectrum = scene->world->emission.shape, .mask = scene->world->mask};
+        scene->lights[scene->light_count++] = (struct light){.kind = &light_world,
+                                                             .name = "world",
+                                                             .spectrum = scene->world->emission.shape,
+                                                             .mask = scene->world->mask};
     return true;
 }
 
@@ -172,7 +181,8 @@ static size_t gather_spectra(const struct scene *scene, double whole, struct wei
     for (size_t i = 0; i < scene->light_count; i++)
         if (scene->lights[i].power > 0)
             part[count++] = (struct weighted_spectrum){
-                scene->lights[i].spectrum, scene->lights[i].power / (whole * spectrum_integral(scene->lights[i].spectrum))};
+                scene->lights[i].spectrum,
+                scene->lights[i].power / (whole * spectrum_integral(scene->lights[i].spectrum))};
     qsort(part, count, sizeof *part, by_spectrum);
     for (size_t i = 0; i < count; i++)
         if (distinct && part[distinct - 1].spectrum == part[i].spectrum)
@@ -264,8 +274,11 @@ const struct spectrum *scene_lamp_spectrum(const struct scene *scene)
 static void start_point(const struct scene *scene, int light, struct light_point *point)
 {
     const struct light_kind *kind = scene->lights[light].kind;
-    *point = (struct light_point){.light = light, .distant = kind->distant, .delta = kind->delta,
-                                  .has_normal = kind->has_normal, .on_mesh = kind == &light_mesh,
+    *point = (struct light_point){.light = light,
+                                  .distant = kind->distant,
+                                  .delta = kind->delta,
+                                  .has_normal = kind->has_normal,
+                                  .on_mesh = kind == &light_mesh,
                                   .hit = {.light = light}};
 }
 
@@ -288,7 +301,8 @@ float scene_pdf_light(const struct scene *scene, const struct light_point *point
     return (float)(light->probability * light->kind->pdf_point(scene, light, point));
 }
 
-float scene_sample_light_lambda(const struct scene *scene, const struct light_point *point, float u, float *pdf)
+float scene_sample_light_lambda(const struct scene *scene, const struct light_point *point, float u,
+                                float *pdf)
 {
     return spectrum_sample(scene->lights[point->light].spectrum, u, pdf);
 }
@@ -299,7 +313,8 @@ float scene_pdf_light_lambda(const struct scene *scene, const struct light_point
 }
 
 /* A distant light's rays start on a disk that covers the scene's bounding sphere. */
-static float sample_disk(const struct scene *scene, struct vec3 toward_light, const float u[2], struct vec3 *origin)
+static float sample_disk(const struct scene *scene, struct vec3 toward_light, const float u[2],
+                         struct vec3 *origin)
 {
     struct frame frame = frame_about(toward_light);
     float radius = scene->radius * sqrtf(u[0]), phi = 2 * PI_F * u[1];
@@ -308,8 +323,8 @@ static float sample_disk(const struct scene *scene, struct vec3 toward_light, co
     return 1 / (PI_F * scene->radius * scene->radius);
 }
 
-bool scene_sample_light_direction(const struct scene *scene, const struct light_point *point, const float u[2],
-                                  struct vec3 *origin, struct vec3 *direction, float *pdf)
+bool scene_sample_light_direction(const struct scene *scene, const struct light_point *point,
+                                  const float u[2], struct vec3 *origin, struct vec3 *direction, float *pdf)
 {
     const struct light *light = &scene->lights[point->light];
     if (light->kind->distant) {
@@ -322,7 +337,8 @@ bool scene_sample_light_direction(const struct scene *scene, const struct light_
     return *pdf > 0;
 }
 
-float scene_pdf_light_direction(const struct scene *scene, const struct light_point *point, struct vec3 direction)
+float scene_pdf_light_direction(const struct scene *scene, const struct light_point *point,
+                                struct vec3 direction)
 {
     const struct light *light = &scene->lights[point->light];
     if (light->kind->distant)
@@ -330,7 +346,8 @@ float scene_pdf_light_direction(const struct scene *scene, const struct light_po
     return light->kind->pdf_direction(scene, light, point, direction);
 }
 
-float scene_light_emission(const struct scene *scene, const struct light_point *point, struct vec3 direction, float lambda)
+float scene_light_emission(const struct scene *scene, const struct light_point *point, struct vec3 direction,
+                           float lambda)
 {
     const struct light *light = &scene->lights[point->light];
     return light->kind->emission(scene, light, point, direction, lambda);
@@ -357,7 +374,8 @@ bool scene_light_seen_by_camera(const struct scene *scene, const struct light_po
 /* Up to this many lamps are tried one by one. */
 #define LAMPS_LOOPED 4
 
-static bool try_light(const struct scene *scene, int light, const struct ray *ray, struct light_point *point, float *t)
+static bool try_light(const struct scene *scene, int light, const struct ray *ray, struct light_point *point,
+                      float *t)
 {
     if (!(scene->lights[light].mask & ray->kind))
         return false;
@@ -395,7 +413,8 @@ int scene_lamps_along(const struct scene *scene, const struct ray *ray, struct l
     return hits.count;
 }
 
-int scene_distant_along(const struct scene *scene, const struct ray *ray, struct light_point *points, int most)
+int scene_distant_along(const struct scene *scene, const struct ray *ray, struct light_point *points,
+                        int most)
 {
     int count = 0;
     float t;

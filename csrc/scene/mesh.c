@@ -37,12 +37,13 @@ static bool check_positions(const struct mesh_input *in, stokes_error *err)
     return true;
 }
 
-static bool check_indices(const struct mesh_input *in, const uint32_t *index, size_t limit, const char *property,
-                          stokes_error *err)
+static bool check_indices(const struct mesh_input *in, const uint32_t *index, size_t limit,
+                          const char *property, stokes_error *err)
 {
     for (size_t i = 0; index && i < 3 * in->triangle_count; i++)
         if (index[i] >= limit)
-            return fail(err, in->name, property, "triangle %zu names entry %u of %zu", i / 3, index[i], limit);
+            return fail(err, in->name, property, "triangle %zu names entry %u of %zu", i / 3, index[i],
+                        limit);
     return true;
 }
 
@@ -58,12 +59,14 @@ static bool check_finite(const struct mesh_input *in, const float *values, size_
 static bool check_counts(const struct mesh_input *in, size_t corner_count, stokes_error *err)
 {
     if (in->vertex_count > UINT32_MAX || in->triangle_count > UINT32_MAX / 3)
-        return fail(err, in->name, "triangles", "%zu triangles of %zu vertices are more than 32 bits can name",
-                    in->triangle_count, in->vertex_count);
+        return fail(err, in->name, "triangles",
+                    "%zu triangles of %zu vertices are more than 32 bits can name", in->triangle_count,
+                    in->vertex_count);
     if (in->triangle_count && !in->triangles)
         return fail(err, in->name, "triangles", "missing");
     if (!in->corners && corner_count < 3 * in->triangle_count && (in->corner_normals || in->uv_count))
-        return fail(err, in->name, "corners", "%zu corners for %zu triangles", corner_count, in->triangle_count);
+        return fail(err, in->name, "corners", "%zu corners for %zu triangles", corner_count,
+                    in->triangle_count);
     return true;
 }
 

@@ -48,7 +48,8 @@ static struct instances *instances_create(const struct instances_input *in)
     instances->mask = visibility_mask(in->visible);
     instances->holdout = in->holdout;
     instances->transform_count = in->transform_count;
-    bool whole = instances->name && instances->mesh_name && instances->material_names && instances->transforms;
+    bool whole =
+        instances->name && instances->mesh_name && instances->material_names && instances->transforms;
     for (size_t i = 0; whole && i < in->material_count; i++) {
         instances->material_names[i] = copy_text(in->materials[i]);
         instances->material_count = i + 1;
@@ -67,8 +68,9 @@ bool scene_add_instances(struct scene *scene, const struct instances_input *in, 
 {
     for (size_t i = 0; i < 12 * in->transform_count; i++)
         if (!(fabsf(in->transforms[i]) <= 1e12f))
-            return fail(err, in->name, "transforms", "number %zu of transform %zu is %g, which is not within ±1e12", i % 12,
-                        i / 12, (double)in->transforms[i]);
+            return fail(err, in->name, "transforms",
+                        "number %zu of transform %zu is %g, which is not within ±1e12", i % 12, i / 12,
+                        (double)in->transforms[i]);
     struct instances *instances = instances_create(in);
     void *old;
     if (!instances || !registry_put(&scene->instances, instances->name, instances, &old)) {
@@ -90,7 +92,8 @@ static bool resolve_mesh(const struct scene *scene, struct instances *instances,
 
 static void place(const struct instances *instances, const struct transform *transform, struct object *object)
 {
-    *object = (struct object){.to_world = *transform, .mesh = instances->mesh, .instances = instances, .first_light = -1};
+    *object = (struct object){
+        .to_world = *transform, .mesh = instances->mesh, .instances = instances, .first_light = -1};
     double determinant = transform_determinant(transform);
     object->mirrored = determinant < 0;
     /* A transform that flattens its object has no inverse, which an instance would need. */
@@ -144,9 +147,9 @@ bool transform_inverse(const struct transform *t, struct transform *inverse)
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 3; column++) {
             int r1 = (column + 1) % 3, r2 = (column + 2) % 3, c1 = (row + 1) % 3, c2 = (row + 2) % 3;
-            inverse->m[4 * row + column] = (float)(((double)m[4 * r1 + c1] * m[4 * r2 + c2] -
-                                                    (double)m[4 * r1 + c2] * m[4 * r2 + c1]) /
-                                                   determinant);
+            inverse->m[4 * row + column] =
+                (float)(((double)m[4 * r1 + c1] * m[4 * r2 + c2] - (double)m[4 * r1 + c2] * m[4 * r2 + c1]) /
+                        determinant);
         }
     for (int row = 0; row < 3; row++) {
         const float *r = inverse->m + 4 * row;

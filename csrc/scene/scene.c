@@ -27,11 +27,26 @@ static void destroy_all(struct registry *registry, void (*destroy)(void *))
     registry_free(registry);
 }
 
-static void destroy_mesh(void *item) { mesh_destroy(item); }
-static void destroy_material(void *item) { material_slot_destroy(item); }
-static void destroy_image(void *item) { image_destroy(item); }
-static void destroy_instances(void *item) { instances_destroy(item); }
-static void destroy_lamp(void *item) { lamp_destroy(item); }
+static void destroy_mesh(void *item)
+{
+    mesh_destroy(item);
+}
+static void destroy_material(void *item)
+{
+    material_slot_destroy(item);
+}
+static void destroy_image(void *item)
+{
+    image_destroy(item);
+}
+static void destroy_instances(void *item)
+{
+    instances_destroy(item);
+}
+static void destroy_lamp(void *item)
+{
+    lamp_destroy(item);
+}
 
 void material_slot_destroy(struct material_slot *slot)
 {
@@ -78,7 +93,8 @@ bool scene_add_material(struct scene *scene, const char *name, struct closure *c
 {
     struct material_slot *slot = calloc(1, sizeof *slot);
     void *old;
-    if (!slot || !(slot->name = copy_text(name)) || !registry_put(&scene->materials, slot->name, slot, &old)) {
+    if (!slot || !(slot->name = copy_text(name)) ||
+        !registry_put(&scene->materials, slot->name, slot, &old)) {
         closure_destroy(closure);
         material_slot_destroy(slot);
         return fail(err, name, "surface", "no memory");
@@ -122,7 +138,8 @@ static void forget_retired(struct scene *scene, const struct image *image)
 
 bool scene_add_image(struct scene *scene, struct image *image, stokes_error *err)
 {
-    struct image *old = registry_find(&scene->images, image->name), *retired = find_retired(scene, image->name);
+    struct image *old = registry_find(&scene->images, image->name),
+                 *retired = find_retired(scene, image->name);
     struct image *kept = retired ? retired : image;
     void *none;
     if (!old && !registry_put(&scene->images, kept->name, kept, &none)) {
@@ -205,13 +222,16 @@ void scene_bounds(const struct scene *scene, struct vec3 *center, float *radius)
 
 struct scene_statistics scene_statistics(const struct scene *scene)
 {
-    struct scene_statistics statistics = {.meshes = scene->meshes.count, .instances = scene->object_count,
-                                          .lights = scene->light_count, .materials = scene->materials.count,
+    struct scene_statistics statistics = {.meshes = scene->meshes.count,
+                                          .instances = scene->object_count,
+                                          .lights = scene->light_count,
+                                          .materials = scene->materials.count,
                                           .images = scene->images.count};
     for (size_t i = 0; i < scene->meshes.count; i++)
         statistics.triangles += ((const struct mesh *)scene->meshes.entry[i].item)->triangle_count;
     for (size_t i = 0; i < scene->lamps.count; i++)
-        statistics.colors_out_of_reach += ((const struct lamp *)scene->lamps.entry[i].item)->emission.out_of_reach;
+        statistics.colors_out_of_reach +=
+            ((const struct lamp *)scene->lamps.entry[i].item)->emission.out_of_reach;
     statistics.colors_out_of_reach += scene->world && scene->world->emission.out_of_reach;
     return statistics;
 }
@@ -223,10 +243,12 @@ int scene_fluorophore_count(const struct scene *scene)
 
 const struct spectrum *scene_fluorophore_emission(const struct scene *scene, int index)
 {
-    return material_fluorophore_emission(scene->fluorophore_material[index], index - scene->fluorophore_first[index]);
+    return material_fluorophore_emission(scene->fluorophore_material[index],
+                                         index - scene->fluorophore_first[index]);
 }
 
 const struct spectrum *scene_fluorophore_absorption(const struct scene *scene, int index)
 {
-    return material_fluorophore_absorption(scene->fluorophore_material[index], index - scene->fluorophore_first[index]);
+    return material_fluorophore_absorption(scene->fluorophore_material[index],
+                                           index - scene->fluorophore_first[index]);
 }

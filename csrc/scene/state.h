@@ -13,11 +13,11 @@ struct mesh {
     char *name;
     float *positions; /* 3 per vertex; one vertex of padding, because Embree reads 16 bytes at each */
     uint32_t *triangles, *corners; /* 3 per triangle; corners may be NULL */
-    float *normals; /* 3 per corner, or NULL: flat */
-    struct mesh_uv *uv; /* their data is owned */
-    uint32_t *material_index; /* per triangle, or NULL: all 0 */
+    float *normals;                /* 3 per corner, or NULL: flat */
+    struct mesh_uv *uv;            /* their data is owned */
+    uint32_t *material_index;      /* per triangle, or NULL: all 0 */
     size_t vertex_count, triangle_count, corner_count, uv_count;
-    struct vec3 low, high; /* bounding box */
+    struct vec3 low, high;  /* bounding box */
     const float **uv_table; /* hit.uv; borrowed pointers into uv[] */
     void *structure; /* this mesh's own acceleration structure (embree.c), NULL until an instance needs it */
 };
@@ -87,18 +87,18 @@ void material_slot_destroy(struct material_slot *);
 
 /* Spectral radiance, intensity or irradiance of a light that is not a mesh. */
 struct emission {
-    const struct spectrum *fixed;     /* the untextured part or NULL */
-    const struct texture *texture;    /* the textured part or NULL */
-    float scale;                      /* of the texture */
+    const struct spectrum *fixed;  /* the untextured part or NULL */
+    const struct texture *texture; /* the textured part or NULL */
+    float scale;                   /* of the texture */
     const struct rgb_table *table;
     const struct spectrum *illuminant; /* scene.illuminant */
-    struct spectrum *shape;           /* wavelengths are drawn from it: positive wherever the light emits */
-    double total;                     /* ∫ of the mean over Λ */
-    bool out_of_reach;                /* no reflectance has the mean colour of the texture */
+    struct spectrum *shape;            /* wavelengths are drawn from it: positive wherever the light emits */
+    double total;                      /* ∫ of the mean over Λ */
+    bool out_of_reach;                 /* no reflectance has the mean colour of the texture */
 };
 /* `mean` is the texture's mean colour over what it lights. */
-bool emission_compile(struct emission *, const struct scene *, const struct emission_node *, const float mean[3],
-                      const char *name, stokes_error *err);
+bool emission_compile(struct emission *, const struct scene *, const struct emission_node *,
+                      const float mean[3], const char *name, stokes_error *err);
 float emission_at(const struct emission *, struct vec3 coordinates, float lambda);
 void emission_free(struct emission *);
 /* The working space's white, scaled to Y = 1 on the film: D65/∫D65 over Λ, or another daylight. Yours. */
@@ -110,8 +110,9 @@ struct lamp {
     uint32_t mask;
     struct emission emission;
     /* Derived from shape and transform. */
-    struct vec3 center, axis_u, axis_v, dual_u, dual_v, normal; /* full edges of the rectangle; duals of the edges */
-    struct transform to_local;                                   /* of a spot's directions */
+    struct vec3 center, axis_u, axis_v, dual_u, dual_v,
+        normal;                /* full edges of the rectangle; duals of the edges */
+    struct transform to_local; /* of a spot's directions */
     float determinant, area, cos_half, smooth, half_angle;
 };
 bool lamp_derive(struct lamp *, stokes_error *err);
@@ -123,7 +124,7 @@ struct world {
     char *image_name;
     uint32_t mask;
     struct transform from_map;
-    float determinant; /* of to_map */
+    float determinant;         /* of to_map */
     struct emission_node node; /* of an image world */
     struct texture texture;
     struct emission emission;
@@ -153,17 +154,22 @@ struct light {
 struct light_kind {
     bool delta, distant, has_normal;
     double (*power)(const struct scene *, const struct light *);
-    float (*sample_point)(const struct scene *, const struct light *, double choice, const float u[2], struct light_point *);
+    float (*sample_point)(const struct scene *, const struct light *, double choice, const float u[2],
+                          struct light_point *);
     float (*pdf_point)(const struct scene *, const struct light *, const struct light_point *);
-    float (*sample_direction)(const struct scene *, const struct light *, const struct light_point *, const float u[2],
+    float (*sample_direction)(const struct scene *, const struct light *, const struct light_point *,
+                              const float u[2],
                               struct vec3 *direction); /* 0: this draw fails; NULL for distant lights */
-    float (*pdf_direction)(const struct scene *, const struct light *, const struct light_point *, struct vec3 direction);
-    float (*emission)(const struct scene *, const struct light *, const struct light_point *, struct vec3 direction, float lambda);
+    float (*pdf_direction)(const struct scene *, const struct light *, const struct light_point *,
+                           struct vec3 direction);
+    float (*emission)(const struct scene *, const struct light *, const struct light_point *,
+                      struct vec3 direction, float lambda);
     /* Where a ray meets a lamp's lit side, or sees a distant light; NULL: never. *t is the distance. */
-    bool (*hit)(const struct scene *, const struct light *, const struct ray *, struct light_point *, float *t);
+    bool (*hit)(const struct scene *, const struct light *, const struct ray *, struct light_point *,
+                float *t);
 };
-extern const struct light_kind light_mesh, light_rectangle, light_ellipse, light_sphere, light_point_lamp, light_spot,
-    light_spot_sphere, light_sun, light_sun_delta, light_world;
+extern const struct light_kind light_mesh, light_rectangle, light_ellipse, light_sphere, light_point_lamp,
+    light_spot, light_spot_sphere, light_sun, light_sun_delta, light_world;
 
 /* Makes the table of lights from emissive objects, lamps and the world; then the choice among them. */
 bool scene_build_lights(struct scene *, stokes_error *err);
@@ -171,8 +177,8 @@ bool scene_weigh_lights(struct scene *, stokes_error *err);
 void scene_free_lights(struct scene *);
 /* Index of the entry of an ascending sum[count + 1] that x·sum[count] falls into, and where in it, 0 … 1. */
 size_t search_sum(const double *sum, size_t count, double x, double *rest);
-bool triangle_cdf_build(struct triangle_cdf *, const struct instances *, const struct mesh *, const struct transform *,
-                        size_t slot);
+bool triangle_cdf_build(struct triangle_cdf *, const struct instances *, const struct mesh *,
+                        const struct transform *, size_t slot);
 void triangle_cdf_free(struct triangle_cdf *);
 
 /* --- Camera -------------------------------------------------------------------------------------------------- */
@@ -199,7 +205,8 @@ struct accel_hit {
     float u, v, t;
 };
 bool accel_intersect(const struct scene *, const struct ray *, struct accel_hit *);
-float accel_transmittance(const struct scene *, struct vec3 origin, struct vec3 direction, float far, float lambda);
+float accel_transmittance(const struct scene *, struct vec3 origin, struct vec3 direction, float far,
+                          float lambda);
 /* Bounding box of a lamp that can be hit. */
 void lamp_bounds(const struct lamp *, struct vec3 *low, struct vec3 *high);
 /* A collection of the lamps on a ray, nearest first. */
@@ -248,8 +255,9 @@ struct scene {
 char *copy_text(const char *text);
 static inline uint32_t visibility_mask(struct visibility visible)
 {
-    return (visible.camera ? RAY_CAMERA : 0) | (visible.diffuse ? RAY_DIFFUSE : 0) | (visible.glossy ? RAY_GLOSSY : 0) |
-           (visible.transmission ? RAY_TRANSMISSION : 0) | (visible.shadow ? RAY_SHADOW : 0);
+    return (visible.camera ? RAY_CAMERA : 0) | (visible.diffuse ? RAY_DIFFUSE : 0) |
+           (visible.glossy ? RAY_GLOSSY : 0) | (visible.transmission ? RAY_TRANSMISSION : 0) |
+           (visible.shadow ? RAY_SHADOW : 0);
 }
 double transform_determinant(const struct transform *);
 /* False if it is singular. */

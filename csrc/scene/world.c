@@ -12,7 +12,7 @@
 
 struct world_map {
     uint32_t width, height;
-    float *value; /* density of a cell's directions, times `total` */
+    float *value;                 /* density of a cell's directions, times `total` */
     double *row_sum, *column_sum; /* height + 1; width + 1 for each row */
     double total;
     float mean[3]; /* colour over the sphere */
@@ -48,7 +48,8 @@ static bool check(const struct world_input *in, struct world *world, stokes_erro
     if (!(in->scale >= 0 && isfinite(in->scale)))
         return fail(err, "world", "scale", "is %g", (double)in->scale);
     world->determinant = (float)fabs(transform_determinant(&in->to_map));
-    return transform_inverse(&in->to_map, &world->from_map) || fail(err, "world", "transform", "has no inverse");
+    return transform_inverse(&in->to_map, &world->from_map) ||
+           fail(err, "world", "transform", "has no inverse");
 }
 
 bool scene_set_world(struct scene *scene, const struct world_input *in, stokes_error *err)
@@ -167,7 +168,8 @@ struct cell_range {
 };
 static struct cell_range cell_texels(uint32_t cell, uint32_t cells, uint32_t texels)
 {
-    return (struct cell_range){(int64_t)cell * texels / cells, ((int64_t)(cell + 1) * texels + cells - 1) / cells};
+    return (struct cell_range){(int64_t)cell * texels / cells,
+                               ((int64_t)(cell + 1) * texels + cells - 1) / cells};
 }
 
 /* Sums `count` values with a stride over a cell, wrapping round. */
@@ -188,7 +190,8 @@ static bool fill_values(struct world_map *map, const struct image *image, const 
         for (uint32_t x = 0; x < image->width; x++)
             texels[x] = importance(image->rgba + 4 * ((size_t)y * image->width + x), luminance);
         for (uint32_t x = 0; x < map->width; x++)
-            rows[(size_t)y * map->width + x] = cell_sum(texels, 1, image->width, cell_texels(x, map->width, image->width));
+            rows[(size_t)y * map->width + x] =
+                cell_sum(texels, 1, image->width, cell_texels(x, map->width, image->width));
     }
     for (uint32_t y = 0; texels && rows && y < map->height; y++)
         for (uint32_t x = 0; x < map->width; x++)
@@ -218,7 +221,8 @@ static void fill_mean(struct world_map *map, const struct image *image)
 {
     double mean[3] = {0};
     for (uint32_t y = 0; y < image->height; y++) {
-        double heights = height_at((y + 1.0) / image->height) - height_at((double)y / image->height), row[3] = {0};
+        double heights = height_at((y + 1.0) / image->height) - height_at((double)y / image->height),
+               row[3] = {0};
         for (uint32_t x = 0; x < image->width; x++)
             for (int c = 0; c < 3; c++)
                 row[c] += fmaxf(0, image->rgba[4 * ((size_t)y * image->width + x) + (size_t)c]);
@@ -261,8 +265,10 @@ bool world_compile(struct scene *scene, stokes_error *err)
     world->map = map_create(image, scene->context.luminance);
     if (!world->map)
         return fail(err, "world", "image", "no memory for its importance map");
-    world->texture = (struct texture){.image = image, .transform = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
-                                      .interpolation = TEXTURE_LINEAR, .extension = TEXTURE_REPEAT};
+    world->texture = (struct texture){.image = image,
+                                      .transform = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+                                      .interpolation = TEXTURE_LINEAR,
+                                      .extension = TEXTURE_REPEAT};
     world->node = (struct emission_node){.texture = &world->texture, .scale = world->input.scale};
     return emission_compile(&world->emission, scene, &world->node, world->map->mean, "world", err);
 }
