@@ -77,7 +77,7 @@ void film_clear(struct film *film)
     film->first_sample = film->end_sample = 0;
 }
 
-/* --- Adding -------------------------------------------------------------------------------------------------- */
+/* --- Adding ---------------------------------------------------------------------------------------- */
 
 /* The bin of a wavelength, or −1. The last bin holds its upper end too. */
 static int bin_of(const struct film *film, float lambda_nm)
@@ -102,7 +102,8 @@ void film_sample_add(const struct film *film, struct film_sample *sample, double
 {
     float cmf[3];
     cmf_eval(lambda_nm, cmf);
-    /* A value that is not finite must reach film_add, which rejects the sample, even where every cmf is 0: NaN · 0 = NaN. */
+    /* A value that is not finite must reach film_add, which rejects the sample, even where every cmf is 0:
+       NaN · 0 = NaN. */
     for (int i = 0; i < 3; i++)
         sample->xyz[i] += kappa * value * (double)cmf[i];
     int bin = bin_of(film, lambda_nm);
@@ -115,7 +116,8 @@ static bool is_acceptable(double value)
     return value >= 0 && value < INFINITY;
 }
 
-/* Adds to one sum. A plain atomic addition could leave the range between two threads; a compare-and-swap never does. */
+/* Adds to one sum. A plain atomic addition could leave the range between two threads; a compare-and-swap
+   never does. */
 static void add_units(struct film *film, int64_t *sum, double value)
 {
     double units = value * UNITS;
@@ -185,7 +187,7 @@ void film_splat(struct film *film, int x, int y, double value, float lambda_nm, 
         add_units(film, &sum[4 + bin], value);
 }
 
-/* --- Reading ------------------------------------------------------------------------------------------------- */
+/* --- Reading --------------------------------------------------------------------------------------- */
 
 void film_resolve(const struct film *film, const struct working_space *space, int samples, float *rgba)
 {

@@ -1,9 +1,10 @@
-/* The film: XYZ, alpha and optional spectral bins per pixel, in 64-bit fixed point, so that sums are the same bits whatever
-   the order of threads and merges. One unit is 2^-FILM_FRACTION_BITS.
+/* The film: XYZ, alpha and optional spectral bins per pixel, in 64-bit fixed point, so that sums are the
+   same bits whatever the order of threads and merges. One unit is 2^-FILM_FRACTION_BITS.
 
-   The overflow rule: what is added is never negative (a contribution that is negative or not finite is rejected and counted),
-   and a sum that would pass FILM_SUM_MAX stays there. min(Σ, FILM_SUM_MAX) of non-negative terms does not depend on their
-   order or grouping, so saturation is as deterministic as the sums; `saturated` counts the sums that stand at the limit. */
+   The overflow rule: what is added is never negative (a contribution that is negative or not finite is
+   rejected and counted), and a sum that would pass FILM_SUM_MAX stays there. min(Σ, FILM_SUM_MAX) of
+   non-negative terms does not depend on their order or grouping, so saturation is as deterministic as the
+   sums; `saturated` counts the sums that stand at the limit. */
 #ifndef FILM_FILM_H
 #define FILM_FILM_H
 
@@ -36,12 +37,14 @@ struct film *film_create(int full_width, int full_height, const int border[4], i
 void film_destroy(struct film *);
 void film_clear(struct film *);
 
-/* What one camera sample gathers before it is added in one go (rounding once). bins are radiance per bin, W·m⁻²·sr⁻¹. */
+/* What one camera sample gathers before it is added in one go (rounding once). bins are radiance per bin,
+   W·m⁻²·sr⁻¹. */
 struct film_sample {
     double xyz[3], alpha;
     double *bin; /* film->bins of them; NULL without */
 };
-/* Adds spectral energy `value` (∫ over its own pdf already divided) at a wavelength: κ·value·cmf(λ) and the bin. */
+/* Adds spectral energy `value` (∫ over its own pdf already divided) at a wavelength: κ·value·cmf(λ) and the
+   bin. */
 void film_sample_add(const struct film *, struct film_sample *, double value, float lambda_nm, double kappa);
 void film_sample_clear(const struct film *, struct film_sample *);
 
@@ -56,21 +59,24 @@ void film_resolve(const struct film *, const struct working_space *, int samples
 struct film_note {
     const char *key, *value;
 };
-/* An EXR: R, G, B, A (f32), spectral bins in the layout of Fichet et al. 2021, and the sums themselves, for merging. */
+/* An EXR: R, G, B, A (f32), spectral bins in the layout of Fichet et al. 2021, and the sums themselves, for
+   merging. */
 bool film_write_exr(const struct film *, const struct working_space *, const struct film_note *, size_t notes,
                     const char *path, stokes_error *err);
 /* Reads the sums back. Yours: film_destroy. */
 struct film *film_read_exr(const char *path, char *fingerprint, size_t fingerprint_size, stokes_error *err);
-/* The header alone: the working space that R, G, B are in, and each note in the order of writing. `space` and `note` may be NULL. */
+/* The header alone: the working space that R, G, B are in, and each note in the order of writing. `space`
+   and `note` may be NULL. */
 bool film_read_notes(const char *path, struct working_space *space,
                      void (*note)(void *user, const char *key, const char *value), void *user, stokes_error *err);
-/* Adds b's sums to a. Ranges must touch without overlapping. Whatever the order of merging, the bits are the same. */
+/* Adds b's sums to a. Ranges must touch without overlapping. Whatever the order of merging, the bits are
+   the same. */
 bool film_merge(struct film *a, const struct film *b, stokes_error *err);
 /* An 8-bit PNG of display-referred pixels in [0,1], RGBA with straight alpha, bottom row first. */
 bool film_write_png(int width, int height, const float *rgba, const char *path, stokes_error *err);
 
-/* An offset in pixels drawn from the Blackman–Harris window of Blender's filter width. As in Cycles the window spans twice that
-   width: offsets lie in [-width, width]. */
+/* An offset in pixels drawn from the Blackman–Harris window of Blender's filter width. As in Cycles the
+   window spans twice that width: offsets lie in [-width, width]. */
 float film_filter_sample(float width, float u);
 
 #endif

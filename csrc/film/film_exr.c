@@ -1,5 +1,6 @@
-/* The film as an EXR: a picture that any viewer opens (R, G, B, A), spectral bins in the layout of Fichet et al. 2021 ("An
-   OpenEXR Layout for Spectral Images", JCGT 10(3)), and the fixed-point sums, two u32 channels each, for merging. */
+/* The film as an EXR: a picture that any viewer opens (R, G, B, A), spectral bins in the layout of Fichet
+   et al. 2021 ("An OpenEXR Layout for Spectral Images", JCGT 10(3)), and the fixed-point sums, two u32
+   channels each, for merging. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -38,7 +39,8 @@ static void name_bin(const struct film *film, int bin, struct exr_channel *chann
     snprintf(channel->name, sizeof channel->name, "S0.%lld,%06lldnm", femto / 1000000, femto % 1000000);
 }
 
-/* Without a dot: viewers take what stands before a dot for a layer, and a picture with layers for something else than a picture. */
+/* Without a dot: viewers take what stands before a dot for a layer, and a picture with layers for something
+   else than a picture. */
 static void name_sum(size_t index, struct exr_channel *channel)
 {
     snprintf(channel->name, sizeof channel->name, "sum%04zu%s", index / 2, index % 2 ? "high" : "low");
@@ -55,7 +57,7 @@ static void name_channels(const struct film *film, struct exr_channel *channels)
         name_sum(i, &channels[picture_channels(film) + i]);
 }
 
-/* --- Writing ------------------------------------------------------------------------------------------------- */
+/* --- Writing --------------------------------------------------------------------------------------- */
 
 struct picture {
     const struct film *film;
@@ -210,7 +212,7 @@ bool film_write_png(int width, int height, const float *rgba, const char *path, 
     return png_write_rgba(width, height, rgba, path, err);
 }
 
-/* --- Reading ------------------------------------------------------------------------------------------------- */
+/* --- Reading --------------------------------------------------------------------------------------- */
 
 /* `count` finite numbers and nothing else. */
 static bool read_numbers(struct exr_file *file, const char *name, double *numbers, int count)

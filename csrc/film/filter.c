@@ -1,16 +1,18 @@
-/* Drawing from the pixel filter: the four-term Blackman–Harris window (Harris 1978, "On the use of windows for harmonic
-   analysis"), whose cdf has a closed form; its inverse is found by Newton's method. */
+/* Drawing from the pixel filter: the four-term Blackman–Harris window (Harris 1978, "On the use of windows
+   for harmonic analysis"), whose cdf has a closed form; its inverse is found by Newton's method. */
 #include <math.h>
 
 #include "film/film.h"
 
 static const double cosine[4] = {0.35875, 0.48829, 0.14128, 0.01168};
 #define TWO_PI 6.283185307179586
-/* x in units of the whole window's length has nearly this standard deviation; a logistic curve of it is a good start. */
+/* x in units of the whole window's length has nearly this standard deviation; a logistic curve of it is a
+   good start. */
 #define DEVIATION 0.1342
 #define STEPS 12
 
-/* Density and cdf at x in [−1/2, 1/2]; the window's length is 1, its integral cosine[0] before normalisation. */
+/* Density and cdf at x in [−1/2, 1/2]; the window's length is 1, its integral cosine[0] before
+   normalisation. */
 static double window(double x, double *cdf)
 {
     double c = cos(TWO_PI * x), s = sin(TWO_PI * x);

@@ -1,5 +1,6 @@
-/* Scanline OpenEXR files through OpenEXRCore. Both directions work chunk by chunk, so that memory stays a few rows
-   however large the picture is; reading and writing go through stdio, so that an error is known where it happens. */
+/* Scanline OpenEXR files through OpenEXRCore. Both directions work chunk by chunk, so that memory stays a
+   few rows however large the picture is; reading and writing go through stdio, so that an error is known
+   where it happens. */
 #include "image/exr.h"
 
 #include <errno.h>
@@ -12,8 +13,8 @@
 #include "base/os.h"
 
 #define PART 0
-/* No deflated stream shrinks its data more than this (1032:1). A header that claims more pixels lies, and would make us
-   allocate for nothing. */
+/* No deflated stream shrinks its data more than this (1032:1). A header that claims more pixels lies, and
+   would make us allocate for nothing. */
 #define DEFLATE_MAX 1032
 #define WIDTH_MAX (1 << 24)
 
@@ -108,7 +109,7 @@ void exr_close(struct exr_file *file)
     free(file);
 }
 
-/* --- Writing ------------------------------------------------------------------------------------------------- */
+/* --- Writing --------------------------------------------------------------------------------------- */
 
 static bool set_header(struct exr_file *file, const struct exr_layout *layout)
 {
@@ -240,7 +241,8 @@ bool exr_write(const struct exr_layout *layout, exr_source source, const void *u
     char *temporary = malloc(room);
     if (!temporary)
         return fail(err, path, "write", "out of memory");
-    /* Two writers of one name get two temporary files, as the clock never stands still for both and "x" is exclusive. */
+    /* Two writers of one name get two temporary files, as the clock never stands still for both and "x" is
+       exclusive. */
     snprintf(temporary, room, "%s.part-%llx", path, (unsigned long long)(os_seconds() * 1e9));
     struct exr_file *file = file_create(temporary, "wbx");
     bool good = file && file->stream;
@@ -260,7 +262,7 @@ bool exr_write(const struct exr_layout *layout, exr_source source, const void *u
     return good;
 }
 
-/* --- Reading ------------------------------------------------------------------------------------------------- */
+/* --- Reading --------------------------------------------------------------------------------------- */
 
 static bool check_part(struct exr_file *file, stokes_error *err)
 {

@@ -1,5 +1,6 @@
-/* Scanline OpenEXR files of 32-bit channels (ZIP), through OpenEXRCore: named channels in, named channels out, and text
-   attributes. A file appears under its name only when it is whole; what is read is trusted in nothing. */
+/* Scanline OpenEXR files of 32-bit channels (ZIP), through OpenEXRCore: named channels in, named channels
+   out, and text attributes. A file appears under its name only when it is whole; what is read is trusted in
+   nothing. */
 #ifndef IMAGE_EXR_H
 #define IMAGE_EXR_H
 
@@ -29,22 +30,24 @@ struct exr_layout {
     const float *chromaticities; /* x, y of red, green, blue, white; or NULL */
 };
 
-/* Fills the `width` 32-bit values of row y (0 is the data window's lowest) of a channel. Rows come from top to bottom. */
+/* Fills the `width` 32-bit values of row y (0 is the data window's lowest) of a channel. Rows come from top
+   to bottom. */
 typedef void (*exr_source)(const void *user, size_t channel, int y, void *values);
 bool exr_write(const struct exr_layout *, exr_source, const void *user, const char *path, stokes_error *err);
 
 struct exr_file;
 struct exr_file *exr_open(const char *path, stokes_error *err); /* yours: exr_close */
 void exr_close(struct exr_file *);
-/* full_width … height of the layout; the rest is left alone. False, with *err, if the windows make no sense. */
+/* full_width … height of the layout; the rest is left alone. False, with *err, if the windows make no
+   sense. */
 bool exr_windows(struct exr_file *, struct exr_layout *, stokes_error *err);
 size_t exr_text_count(struct exr_file *);
 /* A text attribute by index (NULL where that attribute is no text) and by name (NULL if missing). Borrowed. */
 const char *exr_text_at(struct exr_file *, size_t index, const char **name);
 const char *exr_text_named(struct exr_file *, const char *name);
 
-/* Hands out the rows of those channels, which must all exist with that type; channels in between are skipped. False from
-   the sink stops; it has then filled *err. */
+/* Hands out the rows of those channels, which must all exist with that type; channels in between are
+   skipped. False from the sink stops; it has then filled *err. */
 typedef bool (*exr_sink)(void *user, size_t channel, int y, const void *values, stokes_error *err);
 bool exr_read(struct exr_file *, const struct exr_channel *channels, size_t count, exr_sink, void *user,
               stokes_error *err);

@@ -25,11 +25,11 @@
 #define C_FALSE_ALARM                                                                                        \
     (SUITE_FALSE_ALARM / 2 / C_FAMILIES) /* of one family, 2e-9: the default for `false_alarm` */
 
-/* Independent uniform numbers in [0, 1), addressed by seed and index: the tests here assume independent samples, and those of
-   base/random.h are stratified on purpose. */
+/* Independent uniform numbers in [0, 1), addressed by seed and index: the tests here assume independent
+   samples, and those of base/random.h are stratified on purpose. */
 double independent(uint64_t seed, uint64_t index);
 
-/* --- Distributions ------------------------------------------------------------------------------------- */
+/* --- Distributions --------------------------------------------------------------------------------- */
 
 double normal_upper_tail(double z);                       /* P(Z > z) */
 double normal_quantile(double p);                         /* z with P(Z ≤ z) = p, 0 < p < 1 */

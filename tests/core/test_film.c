@@ -1,5 +1,5 @@
-/* The film: sums that no order of threads or merges can change, the overflow rule, the pixel filter, files that hold the
-   same bits, and files that lie. */
+/* The film: sums that no order of threads or merges can change, the overflow rule, the pixel filter, files
+   that hold the same bits, and files that lie. */
 #include "film/film.h"
 
 #include <math.h>
@@ -41,7 +41,7 @@ static bool same_sums(const struct film *a, const struct film *b)
            a->end_sample == b->end_sample && a->saturated == b->saturated && a->rejected == b->rejected;
 }
 
-/* --- Sums ------------------------------------------------------------------------------------------------------ */
+/* --- Sums ------------------------------------------------------------------------------------------ */
 
 struct crowd {
     struct film *film;
@@ -62,7 +62,8 @@ static void add_some(void *context, size_t index, int worker)
     struct film_sample sample = {.bin = bin};
     film_sample_clear(crowd->film, &sample);
     for (int i = 0; i < 3; i++)
-        film_sample_add(crowd->film, &sample, crowd->strength * u[2 + i], (float)(360 + 470 * u[5 + i]), KAPPA);
+        film_sample_add(crowd->film, &sample, crowd->strength * u[2 + i], (float)(360 + 470 * u[5 + i]),
+                        KAPPA);
     sample.alpha = u[8];
     film_add(crowd->film, x, y, &sample);
     film_splat(crowd->film, y, x, crowd->strength * u[9], (float)(350 + 400 * u[10]), KAPPA);
@@ -199,7 +200,7 @@ static void what_is_no_picture_is_refused(void **state)
     assert_null(film_create(40, 30, whole, 4, (struct range){NAN, 500}, &err));
 }
 
-/* --- The filter ------------------------------------------------------------------------------------------------- */
+/* --- The filter ------------------------------------------------------------------------------------ */
 
 /* Harris 1978, integrated: written apart from filter.c. */
 static double window_cdf(double x)
@@ -241,7 +242,7 @@ static void filter_inverts_its_cdf_and_is_symmetric(void **state)
     }
 }
 
-/* --- Files --------------------------------------------------------------------------------------------------------- */
+/* --- Files ----------------------------------------------------------------------------------------- */
 
 static char directory[64];
 
@@ -525,7 +526,8 @@ static void a_file_cut_anywhere_is_an_error(void **state)
     film_destroy(film);
 }
 
-/* Any byte of the file may be wrong: reading ends in a film or in an error, never in a crash (run it with sanitizers). */
+/* Any byte of the file may be wrong: reading ends in a film or in an error, never in a crash (run it with
+   sanitizers). */
 static void a_file_with_wrong_bytes_is_survived(void **state)
 {
     (void)state;
