@@ -45,14 +45,16 @@ class Core:
             assert result.returncode == 0, "stokes %s: %s" % (" ".join(map(str, arguments)), result.stderr)
         return result
 
-    def render(self, scene, name=None, keep=False, **options):
-        """The picture of a scene. Options are those of `stokes render`, with _ for -."""
+    def render(self, scene, name=None, keep=False, bins=None, **options):
+        """The picture of a scene. `bins` is (count, min, max); other options are those of `stokes render`, with _ for -."""
         if name is None:
             self.count += 1
             name = "render-%d-%d.exr" % (os.getpid(), self.count)
         out = self.directory / name
+        if bins:
+            options.update(bins=bins[0], bins_range="%g:%g" % bins[1:])
         arguments = [text for key, value in options.items() for text in ("--" + key.replace("_", "-"), value)]
-        self.run("render", scene, "-o", out, *arguments)
+        self.run("render", scene, "-o", out, "--quiet", *arguments)
         picture = exr.read(out)
         if not keep:
             out.unlink()
@@ -60,17 +62,15 @@ class Core:
 
     def batches(self, scene, integrator, count, spp, bins, measure, first_seed=1, **options):
         """`measure` of `count` independent renders (by seed), a row each. As many at a time as there are processors."""
-        low, high = ("%g" % edge for edge in bins[1:])
-
         def one(seed):
             picture = self.render(
                 scene,
                 name="%s-%s-%d.exr" % (pathlib.Path(scene).stem, integrator, seed),
                 integrator=integrator,
-                spp=spp,
+                samples=spp,
                 seed=seed,
                 threads=1,
-                spectral_bins="%d:%s:%s" % (bins[0], low, high),
+                bins=bins,
                 **options,
             )
             return measure(picture)

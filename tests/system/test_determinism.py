@@ -8,7 +8,7 @@ import scenes
 
 INTEGRATORS = ["pt", "pt_nee", "lt", "mbdpt"]
 RESOLUTION = (40, 30)
-BINS = {"spectral_bins": "8:380:780"}
+BINS = {"bins": (8, 380, 780)}
 
 
 @pytest.fixture(params=INTEGRATORS)
@@ -32,7 +32,7 @@ def assert_same_bits(first, second):
 
 def test_threads_change_no_bit(core, scene, integrator):
     pictures = [
-        core.render(scene, integrator=integrator, seed=3, spp=16, threads=threads, **BINS) for threads in (1, 2, 5)
+        core.render(scene, integrator=integrator, seed=3, samples=16, threads=threads, **BINS) for threads in (1, 2, 5)
     ]
     assert pictures[0].sums().any()
     assert_same_bits(pictures[0], pictures[1])
@@ -40,7 +40,7 @@ def test_threads_change_no_bit(core, scene, integrator):
 
 
 def test_seeds_change_the_picture(core, scene, integrator):
-    first, second = (core.render(scene, integrator=integrator, seed=seed, spp=4, **BINS) for seed in (3, 4))
+    first, second = (core.render(scene, integrator=integrator, seed=seed, samples=4, **BINS) for seed in (3, 4))
     assert not np.array_equal(first.sums(), second.sums())
 
 
@@ -60,8 +60,8 @@ def test_border_equals_crop(core, scene, integrator, tmp_path):
     x0, y0, x1, y1 = 7, 4, 29, 21
     bordered = tmp_path / "border.stokes"
     scenes.box(bordered, resolution=RESOLUTION, border=[x0, y0, x1, y1])
-    whole = core.render(scene, integrator=integrator, seed=3, spp=16, **BINS)
-    part = core.render(bordered, integrator=integrator, seed=3, spp=16, **BINS)
+    whole = core.render(scene, integrator=integrator, seed=3, samples=16, **BINS)
+    part = core.render(bordered, integrator=integrator, seed=3, samples=16, **BINS)
     assert part.data_window == (x0, RESOLUTION[1] - y1, x1 - 1, RESOLUTION[1] - 1 - y0)
     assert np.array_equal(whole.sums()[:, y0:y1, x0:x1], part.sums())
 
