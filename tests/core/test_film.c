@@ -1,5 +1,5 @@
-/* The film: sums that no order of threads or merges can change, the overflow rule, the pixel filter, files
-   that hold the same bits, and files that lie. */
+/* The film in memory: sums that no order of threads can change, the overflow rule, resolving, and the pixel
+   filter. */
 #include "film/film.h"
 
 #include <math.h>
