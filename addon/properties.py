@@ -145,6 +145,9 @@ class StokesSettings(bpy.types.PropertyGroup):
         "says nothing", items=UV_RULES, default='hold')
 
     # Output
+    strict: BoolProperty(
+        name="Strict", description="Stop with an error at anything that would not be rendered as in Cycles, "
+        "instead of a warning", default=False)
     use_record: BoolProperty(
         name="Record", description="Also write the scene as a file that `stokes render` can render "
         "without Blender", default=False)
@@ -153,13 +156,18 @@ class StokesSettings(bpy.types.PropertyGroup):
         description="Where the recorded scene goes; # stand for the frame number")
 
 
+def _decimal(value):
+    """Blender keeps single precision: 0.2 as it was typed, not 0.20000000298."""
+    return float("%.7g" % value) if isinstance(value, float) else value
+
+
 def stream_settings(scene, viewport=False, preview=False):
     """Members of the `settings` message for a final render, the viewport or a material preview."""
     settings = scene.stokes
-    message = {name: getattr(settings, name) for name in _SAME_IN_STREAM}
+    message = {name: _decimal(getattr(settings, name)) for name in _SAME_IN_STREAM}
     if settings.animate_seed:
         message["seed"] = (settings.seed + scene.frame_current) % (1 << 31)
-    message["filter_width"] = scene.render.filter_size
+    message["filter_width"] = _decimal(scene.render.filter_size)
     message["film_transparent"] = scene.render.film_transparent
     fixed = scene.render.threads_mode == 'FIXED'
     message["threads"] = scene.render.threads if fixed else 0
