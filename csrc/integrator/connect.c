@@ -318,6 +318,8 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
         return;
     int px = (int)floorf(at[0] + film_filter_sample(it->settings.filter_width, u[2]));
     int py = (int)floorf(at[1] + film_filter_sample(it->settings.filter_width, u[3]));
+    if (px < it->border[0] || px >= it->border[2] || py < it->border[1] || py >= it->border[3])
+        return;
     x.position = x.lens.position;
     struct pending pending[PAIRS_MAX];
     int count = join(it, w, &joint, &w->light, &camera, pending);
