@@ -169,7 +169,7 @@ static void assert_techniques_deliver(bool lenses, int samples, double sees_erro
 static void techniques_deliver_what_they_claim_in_the_open(void **state)
 {
     (void)state;
-    assert_techniques_deliver(false, 32, 0.02);
+    assert_techniques_deliver(false, 48, 0.02);
 }
 
 static void techniques_deliver_what_they_claim_with_the_lamp_in_glass(void **state)
