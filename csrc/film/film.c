@@ -111,9 +111,10 @@ void film_sample_add(const struct film *film, struct film_sample *sample, double
         sample->bin[bin] += value;
 }
 
+/* Not negative once it is rounded: colour-matching functions may undershoot zero in their last bits. */
 static bool is_acceptable(double value)
 {
-    return value >= 0 && value < INFINITY;
+    return value > -0.5 / UNITS && value < INFINITY;
 }
 
 /* Adds to one sum. A plain atomic addition could leave the range between two threads; a compare-and-swap
@@ -122,7 +123,7 @@ static void add_units(struct film *film, int64_t *sum, double value)
 {
     double units = value * UNITS;
     int64_t add = units < (double)FILM_SUM_MAX ? llrint(units) : FILM_SUM_MAX;
-    if (add == 0)
+    if (add <= 0)
         return;
     int64_t old = __atomic_load_n(sum, __ATOMIC_RELAXED), new;
     do {

@@ -1,8 +1,8 @@
 /* The film: XYZ, alpha and optional spectral bins per pixel, in 64-bit fixed point, so that sums are the
    same bits whatever the order of threads and merges. One unit is 2^-FILM_FRACTION_BITS.
 
-   The overflow rule: what is added is never negative (a contribution that is negative or not finite is
-   rejected and counted), and a sum that would pass FILM_SUM_MAX stays there. min(Σ, FILM_SUM_MAX) of
+   The overflow rule: what is added is never negative (a contribution that is negative once rounded, or not
+   finite, is rejected and counted), and a sum that would pass FILM_SUM_MAX stays there. min(Σ, FILM_SUM_MAX) of
    non-negative terms does not depend on their order or grouping, so saturation is as deterministic as the
    sums; `saturated` counts the sums that stand at the limit. */
 #ifndef FILM_FILM_H

@@ -136,6 +136,17 @@ static void whatever_is_not_finite_or_negative_is_rejected_and_counted(void **st
     film_destroy(empty);
 }
 
+static void an_undershoot_that_rounds_to_zero_is_no_reason_to_reject(void **state)
+{
+    (void)state;
+    struct film *film = make_film(whole, 0);
+    film_add(film, 0, 0, &(struct film_sample){.xyz = {0.5, 0.25, -1e-21}, .alpha = 1});
+    assert_int_equal(film->rejected, 0);
+    assert_int_equal(film->sum[0], (int64_t)(UNITS / 2));
+    assert_int_equal(film->sum[2], 0);
+    film_destroy(film);
+}
+
 static void a_sum_that_reaches_the_limit_stays_there_and_is_counted_once(void **state)
 {
     (void)state;
@@ -241,6 +252,7 @@ int main(void)
         cmocka_unit_test(sums_are_the_same_bits_in_any_order_of_threads),
         cmocka_unit_test(a_sample_lands_rounded_once_in_its_pixel_and_bin),
         cmocka_unit_test(whatever_is_not_finite_or_negative_is_rejected_and_counted),
+        cmocka_unit_test(an_undershoot_that_rounds_to_zero_is_no_reason_to_reject),
         cmocka_unit_test(a_sum_that_reaches_the_limit_stays_there_and_is_counted_once),
         cmocka_unit_test(resolving_gives_the_mean_in_the_working_space),
         cmocka_unit_test(what_is_no_picture_is_refused),
