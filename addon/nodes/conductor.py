@@ -11,7 +11,7 @@ _LABELS = {
     "Cu": "Copper", "Fe": "Iron", "Hg": "Mercury", "Ir": "Iridium", "Li": "Lithium", "Mg": "Magnesium",
     "Mo": "Molybdenum", "Ni": "Nickel", "Nb": "Niobium", "Os": "Osmium", "Pd": "Palladium", "Pt": "Platinum",
     "Rh": "Rhodium", "Ta": "Tantalum", "Ti": "Titanium", "V": "Vanadium", "W": "Tungsten", "Zn": "Zinc",
-    "Zr": "Zirconium",
+    "Zr": "Zirconium", "TiN": "Titanium Nitride", "brass": "Brass",
 }
 
 

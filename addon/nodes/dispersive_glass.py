@@ -7,16 +7,42 @@ from . import library
 from .base import BSDF_OUT, NORMAL, NodeKind, Socket, on_change
 
 MODELS = (
-    ('ABBE', "IOR and Abbe Number", "The index at 587.6 nm and how strongly it varies, as in glass catalogues"),
+    ('ABBE', "IOR and Abbe Number", "The index at 589.3 nm and how strongly it varies, as in glass catalogues"),
     ('PRESET', "Preset", "A real glass, crystal or liquid"),
     ('CAUCHY', "Cauchy", "n = A + B/λ² + C/λ⁴, λ in µm"),
     ('SELLMEIER', "Sellmeier", "n² = 1 + Σ Bλ²/(λ² − C), λ in µm"),
 )
 
-# Name in the core, label, n_D and Abbe number: for the approximation and the tooltip.
+# Name in the core (csrc/spectrum/library/glasses.inc), label, n_D and Abbe number computed from it.
 PRESETS = (
-    ("BK7", "Crown Glass N-BK7", 1.5168, 64.2),
-    ("SF11", "Flint Glass SF11", 1.7847, 25.8),
+    ("acrylic", "Acrylic", 1.4905, 53.2),
+    ("BAK4", "Barium Crown N-BAK4", 1.5687, 56.0),
+    ("BAF10", "Barium Flint N-BAF10", 1.6699, 47.1),
+    ("calcite", "Calcite", 1.6583, 49.9),
+    ("BK7", "Crown Glass N-BK7", 1.5167, 64.2),
+    ("K5", "Crown Glass N-K5", 1.5224, 59.5),
+    ("cubic_zirconia", "Cubic Zirconia", 2.1585, 33.5),
+    ("SF66", "Dense Flint N-SF66", 1.9225, 20.9),
+    ("SF10", "Dense Flint SF10", 1.7280, 28.4),
+    ("SF11", "Dense Flint SF11", 1.7845, 25.7),
+    ("SF2", "Dense Flint SF2", 1.6475, 33.8),
+    ("SF5", "Dense Flint SF5", 1.6725, 32.2),
+    ("SF6", "Dense Flint SF6", 1.8049, 25.4),
+    ("diamond", "Diamond", 2.4173, 55.3),
+    ("F2", "Flint Glass F2", 1.6199, 36.4),
+    ("F5", "Flint Glass F5", 1.6033, 38.0),
+    ("FK51A", "Fluor Crown N-FK51A", 1.4865, 84.5),
+    ("CaF2", "Fluorite", 1.4338, 95.0),
+    ("fused_silica", "Fused Silica", 1.4584, 67.8),
+    ("LAK9", "Lanthanum Crown N-LAK9", 1.6909, 54.7),
+    ("LASF31A", "Lanthanum Flint N-LASF31A", 1.8828, 40.8),
+    ("LASF9", "Lanthanum Flint N-LASF9", 1.8500, 32.2),
+    ("MgF2", "Magnesium Fluoride", 1.3777, 106.2),
+    ("polycarbonate", "Polycarbonate", 1.5846, 27.8),
+    ("polystyrene", "Polystyrene", 1.5915, 29.5),
+    ("quartz", "Quartz", 1.5442, 69.7),
+    ("sapphire", "Sapphire", 1.7681, 72.3),
+    ("water", "Water", 1.3333, 55.8),
 )
 
 
@@ -28,7 +54,7 @@ class StokesDispersiveGlassSettings(bpy.types.PropertyGroup):
         name="Glass", description="A measured material",
         items=library.enum_items(
             (name, label, "n = %.3f, Abbe number %.1f" % (n_d, abbe)) for name, label, n_d, abbe in PRESETS),
-        default=PRESETS[0][0], update=on_change)
+        default="BK7", update=on_change)
     cauchy_a: FloatProperty(name="A", default=1.5046, min=1.0, max=5.0, precision=5, update=on_change)
     cauchy_b: FloatProperty(name="B (µm²)", default=0.0042, min=-1.0, max=1.0, precision=5, update=on_change)
     cauchy_c: FloatProperty(name="C (µm⁴)", default=0.0, min=-1.0, max=1.0, precision=6, update=on_change)
@@ -48,7 +74,7 @@ class DispersiveGlass(NodeKind):
     inputs = (
         Socket("Color", 'COLOR', (1.0, 1.0, 1.0), tooltip="Tints what is refracted"),
         Socket("Roughness", 'FACTOR', 0.0, 0.0, 1.0, "0 is perfectly smooth"),
-        Socket("IOR", 'FLOAT', 1.5168, 1.0, 5.0, "Index of refraction at 587.6 nm, n_D"),
+        Socket("IOR", 'FLOAT', 1.5168, 1.0, 5.0, "Index of refraction at 589.3 nm, n_D"),
         Socket("Abbe Number", 'FLOAT', 40.0, 5.0, 200.0,
                "Small numbers spread colours strongly: flint glass 25, crown glass 64"),
         NORMAL,
@@ -90,8 +116,8 @@ _SHOWN = {
 
 
 def index_at_d(settings):
-    """The index at the sodium-like line d, 587.56 nm."""
-    squared = 0.58756 ** 2
+    """The index at the sodium line D."""
+    squared = 0.589294 ** 2
     if settings.model == 'PRESET':
         return next(n_d for name, _label, n_d, _abbe in PRESETS if name == settings.preset)
     if settings.model == 'CAUCHY':

@@ -112,12 +112,20 @@ def number(name):
     return zlib.crc32(name.encode()) & 0x3fffffff
 
 
-def pretty(word):
-    """"rhodamine-6g_ethanol" → "Rhodamine 6G (ethanol)"."""
-    dye, _, solvent = word.partition("_")
-    spaced = " ".join(part if part[:1].isupper() else part.upper() if len(part) <= 2 and not part.isalpha()
-                      else part.capitalize() for part in dye.replace("-", " ").split())
-    return "%s (%s)" % (spaced, solvent.replace("-", " ")) if solvent else spaced
+# Names of dyes whose capitals no rule gives.
+_CAPITALS = {
+    "atto": "ATTO", "bodipy": "BODIPY", "bpea": "BPEA", "dapi": "DAPI", "dcm": "DCM", "dna": "DNA", "dsred": "DsRed",
+    "ecfp": "ECFP", "egfp": "EGFP", "eyfp": "EYFP", "fl": "FL", "gfp": "GFP", "h2so4": "H₂SO₄", "pbs": "PBS",
+    "ph13": "pH 13", "popop": "POPOP", "r": "R", "r6g": "R6G", "6g": "6G", "b": "B", "o": "O", "y": "Y",
+}
+
+
+def pretty(dye):
+    """"rhodamine-6g_ethanol" → "Rhodamine 6G in ethanol"."""
+    name, _, solvent = dye.partition("_")
+    title = " ".join(_CAPITALS.get(part, part.capitalize()) for part in name.split("-"))
+    medium = " ".join(_CAPITALS.get(part, part) for part in solvent.split("-"))
+    return "%s in %s" % (title, medium) if solvent else title
 
 
 def enum_items(pairs):

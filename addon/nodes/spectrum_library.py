@@ -1,5 +1,7 @@
 """Library Spectrum: a measured reflectance, dye, metal or lamp, by drop-down."""
 
+import re
+
 import bpy
 from bpy.props import EnumProperty, FloatProperty
 
@@ -14,6 +16,20 @@ CATEGORIES = {
 }
 
 
+_FIRST = {
+    "colorchecker": "colorchecker/cyan", "dye": "dye/fluorescein_basic-ethanol/absorption",
+    "illuminant": "illuminant/D65", "lamp": "lamp/LED-B4",
+}
+# CIE 015:2018
+_LAMPS = {
+    "HP1": "High-Pressure Sodium", "HP2": "High-Pressure Sodium, Better Colours", "HP3": "Metal Halide, Warm",
+    "HP4": "Metal Halide, Neutral", "HP5": "Metal Halide, Cool", "LED-B1": "White LED 2700 K",
+    "LED-B2": "White LED 3000 K", "LED-B3": "White LED 4000 K", "LED-B4": "White LED 5000 K",
+    "LED-B5": "White LED 6600 K", "LED-BH1": "White LED with Red", "LED-RGB1": "RGB LED",
+    "LED-V1": "Violet-Pumped LED 2700 K", "LED-V2": "Violet-Pumped LED 4000 K",
+}
+
+
 def entries(category):
     return library.names(category + "/")
 
@@ -24,10 +40,12 @@ def categories():
 
 
 def label_of(name):
-    parts = name.split("/")[1:]
-    if len(parts) == 2:
-        return "%s: %s" % (library.pretty(parts[0]), parts[1])
-    return library.pretty(parts[0])
+    category, entry, *part = name.split("/")
+    if category == "dye":
+        return "%s: %s" % (library.pretty(entry), *part)
+    if category == "colorchecker":
+        return re.sub(r"(\d) (\d)", r"\1.\2", entry.replace("_", " ")).title()
+    return _LAMPS.get(entry, "Illuminant " + entry)
 
 
 def _items(category):
@@ -36,7 +54,8 @@ def _items(category):
 
 def _entry_property(category):
     return EnumProperty(
-        name="Spectrum", description=CATEGORIES[category][1], items=_items(category), update=on_change)
+        name="Spectrum", description=CATEGORIES[category][1], items=_items(category),
+        default=_FIRST[category], update=on_change)
 
 
 def _settings_class():
