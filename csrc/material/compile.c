@@ -310,7 +310,7 @@ static struct spectrum *mean_emission(const struct material *m, const struct emi
     const float relative[3] = {fmaxf(rgb[0], 0) / most, fmaxf(rgb[1], 0) / most, fmaxf(rgb[2], 0) / most};
     struct spectrum *color =
         spectrum_rgb(m->context.range, &m->context.working_space, relative, m->context.uv_rule, NULL);
-    struct spectrum *lit = color ? spectrum_product(color, m->d65) : NULL;
+    struct spectrum *lit = color ? spectrum_product(color, m->white) : NULL;
     struct spectrum *scaled = lit ? spectrum_scaled(lit, e->scale * most) : NULL;
     spectrum_destroy(color);
     spectrum_destroy(lit);
@@ -339,8 +339,8 @@ static bool make_emission_shape(struct compiler *c)
     return true;
 }
 
-/* D65 of unit integral over Λ (architecture.md, "Colour and scale"). */
-static bool make_d65(struct compiler *c)
+/* The white of textured emission, of unit integral over Λ (architecture.md, "Colour and scale"). */
+static bool make_white(struct compiler *c)
 {
     struct material *m = c->material;
     bool needed = false;
@@ -348,12 +348,10 @@ static bool make_d65(struct compiler *c)
         needed = needed || m->emission[i].emission->texture;
     if (!needed)
         return true;
-    struct spectrum *d65 = spectrum_illuminant(m->context.range, "D65", m->name, c->err);
-    if (!d65)
-        return false;
-    m->d65 = spectrum_scaled(d65, (float)(1 / spectrum_integral(d65)));
-    spectrum_destroy(d65);
-    return m->d65 || compiler_fail(c, "emission", "out of memory");
+    struct spectrum *white = spectrum_white(m->context.range, &m->context.working_space);
+    m->white = white ? spectrum_scaled(white, (float)(1 / spectrum_integral(white))) : NULL;
+    spectrum_destroy(white);
+    return m->white || compiler_fail(c, "emission", "out of memory");
 }
 
 /* --- The material ---------------------------------------------------------------------------------------- */
@@ -371,7 +369,7 @@ struct material *material_compile(const char *name, struct closure *closure, con
     snprintf(m->name, sizeof m->name, "%s", name);
     m->closure = closure;
     m->context = *context;
-    if (!collect_textures(&compiler) || !walk(&compiler, closure) || !make_d65(&compiler) ||
+    if (!collect_textures(&compiler) || !walk(&compiler, closure) || !make_white(&compiler) ||
         !make_emission_shape(&compiler)) {
         material_destroy(m);
         return NULL;
@@ -390,7 +388,7 @@ void material_destroy(struct material *m)
             m->lobe[i].free_data(m->lobe[i].data);
     closure_destroy(m->closure);
     spectrum_destroy(m->emission_shape);
-    spectrum_destroy(m->d65);
+    spectrum_destroy(m->white);
     free(m->texture);
     free(m);
 }

@@ -1,9 +1,9 @@
-/* Indices of refraction over wavelength: constant, by Abbe number, Cauchy, Sellmeier.
-   The glasses' Sellmeier coefficients are facts published in the makers' data sheets. */
+/* Indices of refraction over wavelength: constant, by Abbe number, Cauchy, Sellmeier; and the library's glasses by name. */
 #include <string.h>
 
 #include "base/error.h"
 #include "material/lobe.h"
+#include "spectrum/library/library.h"
 
 /* Fraunhofer lines, µm: the Abbe number is (n_D − 1)/(n_F − n_C). */
 #define LINE_F 0.486134
@@ -67,37 +67,12 @@ bool ior_check(const struct ior *ior, struct range range, const char *object, st
     return true;
 }
 
-/* B1, C1 (µm²), B2, C2, B3, C3. */
-static const struct {
-    const char *name;
-    double term[6];
-} library[] = {
-    /* SCHOTT, optical glass data sheets. */
-    {"BK7", {1.03961212, 0.00600069867, 0.231792344, 0.0200179144, 1.01046945, 103.560653}},
-    {"F2", {1.34533359, 0.00997743871, 0.209073176, 0.0470450767, 0.937357162, 111.886764}},
-    {"SF10", {1.62153902, 0.0122241457, 0.256287842, 0.0595736775, 1.64447552, 147.468793}},
-    {"SF11", {1.73759695, 0.013188707, 0.313747346, 0.0623068142, 1.89878101, 155.23629}},
-    {"SF5", {1.52481889, 0.011254756, 0.187085527, 0.0588995392, 1.42729015, 129.141675}},
-    {"BAF10", {1.5851495, 0.00926681282, 0.143559385, 0.0424489805, 1.08521269, 105.613573}},
-    {"BAK4", {1.28834642, 0.00779980626, 0.132817724, 0.0315631177, 0.945395373, 105.965875}},
-    {"SK16", {1.34317774, 0.00704687339, 0.241144399, 0.0229005000, 0.994317969, 92.7508526}},
-    {"K10", {1.15687082, 0.00809424251, 0.0642625444, 0.0386051284, 0.872376139, 104.747730}},
-    {"LASF9", {2.00029547, 0.0121426017, 0.298926886, 0.0538736236, 1.80691843, 156.530829}},
-    /* Malitson 1965, fused silica (squares of 0.0684043, 0.1162414, 9.896161 µm). */
-    {"silica", {0.6961663, 0.0046791482, 0.4079426, 0.0135120631, 0.8974794, 97.9340025}},
-    /* Malitson & Dodge 1972, sapphire, ordinary ray (squares of 0.0726631, 0.1193242, 18.028251 µm). */
-    {"sapphire", {1.4313493, 0.0052799261, 0.65054713, 0.0142382647, 5.3414021, 325.017834}},
-    /* Daimon & Masumura 2007 have four terms; Peter 1923 for diamond has two (squares of 0.1750, 0.1060 µm). */
-    {"diamond", {0.3306, 0.030625, 4.3356, 0.011236, 0, 0}},
-};
-
 bool ior_library(const char *name, struct ior *ior)
 {
-    for (size_t i = 0; i < sizeof library / sizeof *library; i++)
-        if (strcmp(library[i].name, name) == 0) {
-            ior->kind = IOR_SELLMEIER;
-            memcpy(ior->term, library[i].term, sizeof ior->term);
-            return true;
-        }
-    return false;
+    const struct glass *glass = glass_find(name);
+    if (!glass)
+        return false;
+    ior->kind = IOR_SELLMEIER;
+    memcpy(ior->term, glass->term, sizeof ior->term);
+    return true;
 }

@@ -198,7 +198,7 @@ struct material {
     struct emission_plan emission[MATERIAL_EMISSIONS];
     int emission_count;
     struct spectrum *emission_shape; /* NULL: emits nothing */
-    struct spectrum *d65;            /* unit integral over Λ; for textured emission */
+    struct spectrum *white;          /* unit integral over Λ; for textured emission */
     struct texture **texture;        /* the array is owned, the textures are the closure's */
     size_t texture_count;
     bool may_be_transparent;

@@ -203,7 +203,7 @@ bool material_may_be_transparent(const struct material *m) { return m->may_be_tr
 
 /* --- Emission -------------------------------------------------------------------------------------------- */
 
-/* k · max(rgb) · upsample(rgb/max) · D65/∫D65 (STREAM.md, L). */
+/* k · max(rgb) · upsample(rgb/max) · white/∫white (STREAM.md, L). */
 static float textured_emission(const struct material *m, const struct emission_node *e, const struct shading_point *p,
                                float lambda)
 {
@@ -214,7 +214,7 @@ static float textured_emission(const struct material *m, const struct emission_n
         return 0;
     const float relative[3] = {fmaxf(rgba[0], 0) / most, fmaxf(rgba[1], 0) / most, fmaxf(rgba[2], 0) / most};
     struct rgb_curve curve = rgb_table_lookup(m->context.rgb_table, relative);
-    return e->scale * most * rgb_curve_eval(&curve, lambda, m->context.uv_rule) * spectrum_eval(m->d65, lambda);
+    return e->scale * most * rgb_curve_eval(&curve, lambda, m->context.uv_rule) * spectrum_eval(m->white, lambda);
 }
 
 float material_emission(const struct material *m, const struct hit *hit, struct vec3 out, float lambda)
