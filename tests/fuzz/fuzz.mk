@@ -12,5 +12,6 @@ fuzz-run: $(BUILD)/fuzz_stream
 	cd $(BUILD) && ./fuzz_stream corpus seeds -dict=stream.dict -max_total_time=$(FUZZ_SECONDS) -timeout=10 \
 	    -rss_limit_mb=4096 -max_len=65536 -print_final_stats=1
 
-$(BUILD)/fuzz_stream: tests/fuzz/fuzz_stream.c $(BUILD)/libstokes.a
-	$(CC) $(CFLAGS) -fsanitize=fuzzer -o $@ $^ $(LIBS)
+# Linked by the C++ compiler: its sanitizer checks types of the one C++ file.
+$(BUILD)/fuzz_stream: $(BUILD)/tests/fuzz/fuzz_stream.o $(BUILD)/libstokes.a
+	$(CXX) $(FLAGS.$(VARIANT)) -fsanitize=fuzzer -o $@ $^ $(LIBS)
