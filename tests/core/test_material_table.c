@@ -45,6 +45,8 @@ static int direction_bin(const struct frame *f, struct vec3 w)
     return z * PHI_BINS + p;
 }
 
+static size_t kit_below(struct kit_random *r, size_t count) { return (size_t)(kit_uniform(r) * (float)count); }
+
 /* ∫ pdf |cos_g| dω over a bin of elastic directions, by Gauss–Legendre in z and φ: quartered twice, and on while it varies. */
 static double bin_integral(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
                            const struct frame *f, double z0, double z1, double p0, double p1, int depth)
@@ -158,7 +160,7 @@ static struct chi2 draws_against_densities(const struct surface *s, enum side si
 static void draws_follow_densities_that_sum_to_one(void **state)
 {
     (void)state;
-    enum { CASES = 8, DRAWS = 20000 };
+    enum { CASES = 12, DRAWS = 20000 };
     int kinds = 0, failures = 0;
     while (bsdf_kind_at((size_t)kinds))
         kinds++;
@@ -169,6 +171,9 @@ static void draws_follow_densities_that_sum_to_one(void **state)
             char text[256];
             struct closure *closure = kit_random_bsdf(&r, bsdf_kind_at((size_t)k), 0.4f);
             kit_describe(closure, text);
+            if (i & 4) /* with another kind: labels and lobes compete */
+                closure = kit_mix(closure, kit_random_bsdf(&r, bsdf_kind_at(kit_below(&r, (size_t)kinds)), 0.4f),
+                                  kit_value(kit_between(&r, 0.2f, 0.8f)));
             struct material *m = kit_compile(closure);
             struct vec3 ng = kit_direction(&r);
             struct surface s = kit_surface(m, ng, i & 1 ? tilted(&r, ng) : ng);
