@@ -64,7 +64,8 @@ static void curve_xyz(const struct observer *o, const double p[3], double xyz[3]
     }
 }
 
-static struct linearized linearize(const struct fitter *f, const double p[3], const double target[3], double ridge)
+static struct linearized linearize(const struct fitter *f, const double p[3], const double target[3],
+                                   double ridge)
 {
     struct linearized at;
     double xyz[3], by[3][3], lab[3], slope[3];
@@ -150,7 +151,8 @@ static double steepness(const double p[3])
     return fmax(fabs(p[0]), fabs(p[1]));
 }
 
-struct fit fitter_improve(const struct fitter *f, const double rgb[3], struct fit start, double ridge, int iterations)
+struct fit fitter_improve(const struct fitter *f, const double rgb[3], struct fit start, double ridge,
+                          int iterations)
 {
     double target[3], damping = 1e-4;
     target_lab(f, rgb, target);
@@ -198,17 +200,34 @@ static struct fit start_grey(const struct fitter *f, const double rgb[3])
 
 /* Out of reach of smooth curves: a strong ridge first finds the valley, weaker ones follow it towards the optimal
    colours, whose spectra are steps, while the curve is still smooth. */
-static struct fit nearest(const struct fitter *f, const double rgb[3])
+static struct fit descend(const struct fitter *f, const double rgb[3], struct fit fit)
 {
-    struct fit fit = start_grey(f, rgb), smooth = fit;
+    struct fit smooth = fit;
     for (double ridge = 1e-2; ridge > 5e-8; ridge *= 0.3) {
         fit = fitter_improve(f, rgb, fit, ridge, 50);
         if (fit_reaches(&fit))
             return fit;
-        if (steepness(fit.p) < FIT_SMOOTH || ridge > 5e-3)
-            smooth = fit;
+        if (steepness(fit.p) >= FIT_SMOOTH && ridge < 1e-2)
+            break;
+        smooth = fit;
     }
     return smooth;
+}
+
+/* There may be a valley for bands and one for gaps; the lower one counts. */
+static struct fit nearest(const struct fitter *f, const double rgb[3])
+{
+    static const double bend[] = {0, -30, 30};
+    struct fit best = {.error = INFINITY};
+    for (int i = 0; i < 3 && !fit_reaches(&best); i++) {
+        struct fit start = start_grey(f, rgb);
+        start.p[0] = bend[i];
+        start.p[2] -= bend[i] / 4; /* as much of it above zero as below, more or less */
+        struct fit fit = descend(f, rgb, start);
+        if (fit.error < best.error)
+            best = fit;
+    }
+    return best;
 }
 
 struct fit fitter_solve(const struct fitter *f, const double rgb[3])
@@ -223,6 +242,6 @@ struct rgb_curve fit_curve(const struct fit *fit)
     const double m = MIDDLE_NM / HALF_NM;
     double limit = fmin(1, 1e6 / fmax(fabs(fit->p[2]), 1)); /* for floats, whose square must not overflow */
     double a = limit * fit->p[0], b = limit * fit->p[1], c = limit * fit->p[2];
-    return (struct rgb_curve){{(float)(a / (HALF_NM * HALF_NM)), (float)((b - 2 * a * m) / HALF_NM),
-                               (float)((a * m - b) * m + c)}};
+    return (struct rgb_curve){
+        {(float)(a / (HALF_NM * HALF_NM)), (float)((b - 2 * a * m) / HALF_NM), (float)((a * m - b) * m + c)}};
 }

@@ -28,12 +28,18 @@ struct build {
     struct fitter fitter;
 };
 
+static double smoothstep(double u)
+{
+    return u * u * (3 - 2 * u);
+}
+
+/* Dense where curves change most: near black and white, near pure colours and greys. */
 static void set_nodes(struct rgb_table *table)
 {
     for (int i = 0; i < NODES; i++) {
         double u = (double)i / (NODES - 1);
-        table->value_node[i] = (float)(u * u * (3 - 2 * u)); /* dense near black and white, where curves change most */
-        table->ratio_node[i] = (float)(u * sqrt(u));          /* dense near the pure colours, where ΔE does */
+        table->value_node[i] = (float)smoothstep(u * sqrt(u));
+        table->ratio_node[i] = (float)smoothstep(u);
     }
 }
 
@@ -45,7 +51,8 @@ static void set_node(float g[3], const struct fit *fit, double value)
 
 /* The next brighter colour of a column. What reflectances can be is convex and holds black, so that the colours of a
    column are in reach up to some value, and out of it from there on. */
-static struct fit climb(const struct fitter *fitter, const double rgb[3], double value, struct fit below, bool *reach)
+static struct fit climb(const struct fitter *fitter, const double rgb[3], double value, struct fit below,
+                        bool *reach)
 {
     if (*reach) {
         struct fit fit = fitter_improve(fitter, rgb, below, 0, 30);
