@@ -17,7 +17,10 @@ struct albedo_table {
 };
 
 /* Cosines of the columns crowd at grazing angles, where albedos bend. */
-static float cosine_of_column(int i) { return square((float)i / (COSINES - 1)); }
+static float cosine_of_column(int i)
+{
+    return square((float)i / (COSINES - 1));
+}
 
 static float reflected_weight(struct vec3 w, struct vec3 h, float alpha)
 {
@@ -88,7 +91,10 @@ struct albedo_table *albedo_table_create(enum albedo_of of, float ior, float low
     return t;
 }
 
-void albedo_table_destroy(struct albedo_table *t) { free(t); }
+void albedo_table_destroy(struct albedo_table *t)
+{
+    free(t);
+}
 
 /* The row below a roughness, and how far it lies toward the next. */
 static int row_of(const struct albedo_table *t, float roughness, float *fraction)

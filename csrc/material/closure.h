@@ -5,7 +5,15 @@
 #include "material/material.h"
 
 /* V of STREAM.md. A node owns its children. */
-enum value_kind { VALUE_CONSTANT, VALUE_TEXTURE, VALUE_SCALE_OFFSET, VALUE_FRESNEL, VALUE_FACING, VALUE_BACKFACING, VALUE_PRODUCT };
+enum value_kind {
+    VALUE_CONSTANT,
+    VALUE_TEXTURE,
+    VALUE_SCALE_OFFSET,
+    VALUE_FRESNEL,
+    VALUE_FACING,
+    VALUE_BACKFACING,
+    VALUE_PRODUCT
+};
 struct value_node {
     enum value_kind kind;
     float constant, scale, offset; /* constant: also ior of FRESNEL, blend of FACING */
@@ -46,10 +54,12 @@ bool ior_library(const char *name, struct ior *);
 struct bsdf_signature {
     const char *name;
     const char *color_names[CLOSURE_COLORS], *value_names[CLOSURE_VALUES];
-    const char *option_names[4], *option_choices[4][4]; /* JSON strings (or false/true for choices "false", "true") → 0, 1, … */
+    const char *option_names[4],
+        *option_choices[4][4]; /* JSON strings (or false/true for choices "false", "true") → 0, 1, … */
     const char *number_names[4];
     double number_defaults[4];
-    bool takes_ior, takes_metal; /* `ior`; `metal` stands for color "eta" and "k" from the library ("metal/Ag/eta") */
+    bool takes_ior,
+        takes_metal; /* `ior`; `metal` stands for color "eta" and "k" from the library ("metal/Ag/eta") */
 };
 const struct bsdf_kind *bsdf_kind_find(const char *name); /* NULL: unknown */
 const struct bsdf_signature *bsdf_kind_signature(const struct bsdf_kind *);
@@ -88,7 +98,8 @@ struct material_context {
 /* Takes the closure (destroyed with the material, and on failure). NULL with *err if it has too many lobes, or a spectrum is
    not what its place allows (negative emission, reflectance outside [0,1] …). Warnings go to `warn` (may be NULL). */
 struct material *material_compile(const char *name, struct closure *, const struct material_context *,
-                                  void (*warn)(void *user, const stokes_error *), void *user, stokes_error *err);
+                                  void (*warn)(void *user, const stokes_error *), void *user,
+                                  stokes_error *err);
 void material_destroy(struct material *);
 const char *material_name(const struct material *);
 bool material_needs_rgb_table(const struct closure *);

@@ -22,7 +22,7 @@ struct compiler {
 
 bool compiler_fail(struct compiler *c, const char *property, const char *format, ...)
 {
-    char text[sizeof ((stokes_error *)0)->text];
+    char text[sizeof((stokes_error *)0)->text];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
@@ -43,7 +43,10 @@ void compiler_warn(struct compiler *c, const char *property, const char *format,
         c->warn(c->user, &warning);
 }
 
-struct range compiler_range(const struct compiler *c) { return c->material->context.range; }
+struct range compiler_range(const struct compiler *c)
+{
+    return c->material->context.range;
+}
 
 bool compiler_check_ior(struct compiler *c, const struct ior *ior)
 {
@@ -56,15 +59,16 @@ static bool factor_depends_on_view(const struct compiler *c, int i)
 }
 
 struct lobe_plan *compiler_add(struct compiler *c, const struct closure *closure,
-                               bool (*shade)(const struct lobe_plan *, const struct inputs *, struct lobe *), void *data,
-                               void (*free_data)(void *))
+                               bool (*shade)(const struct lobe_plan *, const struct inputs *, struct lobe *),
+                               void *data, void (*free_data)(void *))
 {
     struct material *m = c->material;
     int views = 0;
     for (int i = 0; i < c->factors.count; i++)
         views += factor_depends_on_view(c, i);
     if (views > LOBE_VIEW_FACTORS)
-        compiler_warn(c, "factor", "more than %d nested mixes by the angle of view: the rest look along each sub-path",
+        compiler_warn(c, "factor",
+                      "more than %d nested mixes by the angle of view: the rest look along each sub-path",
                       LOBE_VIEW_FACTORS);
     if (m->lobe_count == SURFACE_LOBES) {
         if (free_data)
@@ -105,7 +109,8 @@ static void check_value(struct compiler *c, const struct closure *closure, int i
 {
     const char *name = closure->bsdf->signature.value_names[i];
     if (name && closure->value[i] && value_depends_on_view(closure->value[i]))
-        compiler_warn(c, name, "depends on the angle of view: light sub-paths take their own direction for it");
+        compiler_warn(c, name,
+                      "depends on the angle of view: light sub-paths take their own direction for it");
 }
 
 static bool compile_bsdf(struct compiler *c, const struct closure *closure)
@@ -153,7 +158,8 @@ static int factor_index(struct compiler *c, const struct value_node *factor)
     if (m->factor_count == MATERIAL_FACTORS)
         return -1;
     if (!value_is_affine_in_view(factor))
-        compiler_warn(c, "factor", "multiplies functions of the angle of view: light sub-paths take their own direction");
+        compiler_warn(c, "factor",
+                      "multiplies functions of the angle of view: light sub-paths take their own direction");
     m->factor[m->factor_count] = factor;
     return m->factor_count++;
 }
@@ -173,8 +179,8 @@ static bool walk_mix(struct compiler *c, const struct closure *closure)
         } else {
             int index = factor_index(c, closure->factor);
             if (index < 0 || outer.count == PLAN_FACTORS)
-                return compiler_fail(c, "factor", "more mixes than %d, or more than %d nested", MATERIAL_FACTORS,
-                                     PLAN_FACTORS);
+                return compiler_fail(c, "factor", "more mixes than %d, or more than %d nested",
+                                     MATERIAL_FACTORS, PLAN_FACTORS);
             c->factors.at[c->factors.count].index = (uint8_t)index;
             c->factors.at[c->factors.count++].inverted = side == 0;
         }
@@ -212,152 +218,12 @@ static bool walk(struct compiler *c, const struct closure *closure)
     return fine;
 }
 
-/* --- Textures -------------------------------------------------------------------------------------------- */
-
-static void visit_value(const struct value_node *v, void (*visit)(void *, struct texture *, bool), void *user)
-{
-    if (!v)
-        return;
-    if (v->texture)
-        visit(user, v->texture, false);
-    visit_value(v->child[0], visit, user);
-    visit_value(v->child[1], visit, user);
-}
-
-/* Calls visit for every texture of the tree, saying whether it is a colour. */
-static void visit_textures(const struct closure *c, void (*visit)(void *, struct texture *, bool), void *user)
-{
-    if (!c)
-        return;
-    visit_value(c->factor, visit, user);
-    if (c->emission && c->emission->texture)
-        visit(user, c->emission->texture, true);
-    for (int i = 0; i < CLOSURE_COLORS; i++)
-        if (c->color[i] && c->color[i]->texture)
-            visit(user, c->color[i]->texture, true);
-    for (int i = 0; i < CLOSURE_VALUES; i++)
-        visit_value(c->value[i], visit, user);
-    if (c->normal_map)
-        visit(user, c->normal_map, false);
-    visit_textures(c->child[0], visit, user);
-    visit_textures(c->child[1], visit, user);
-}
-
-static void note_color(void *user, struct texture *t, bool is_color)
-{
-    (void)t;
-    *(bool *)user |= is_color;
-}
-
-bool material_needs_rgb_table(const struct closure *c)
-{
-    bool needs = false;
-    visit_textures(c, note_color, &needs);
-    return needs;
-}
-
-static void count_texture(void *user, struct texture *t, bool is_color)
-{
-    (void)t, (void)is_color;
-    ++*(size_t *)user;
-}
-
-static void collect_texture(void *user, struct texture *t, bool is_color)
-{
-    (void)is_color;
-    struct material *m = user;
-    m->texture[m->texture_count++] = t;
-}
-
-static bool collect_textures(struct compiler *c)
-{
-    struct material *m = c->material;
-    size_t count = 0;
-    visit_textures(m->closure, count_texture, &count);
-    m->texture = calloc(count + 1, sizeof(struct texture *));
-    if (!m->texture)
-        return compiler_fail(c, "", "out of memory");
-    visit_textures(m->closure, collect_texture, m);
-    for (size_t i = 0; i < m->texture_count; i++)
-        if (m->texture[i]->projection == TEXTURE_WINDOW) {
-            compiler_warn(c, "texture", "window coordinates are not known at a surface; UV coordinates are used");
-            m->texture[i]->projection = TEXTURE_UV;
-        }
-    return true;
-}
-
-/* --- The emission's mean --------------------------------------------------------------------------------- */
-
-static float mean_weight(const struct material *m, const struct factors *f)
-{
-    float weight = f->weight;
-    for (int i = 0; i < f->count; i++) {
-        float mean = clampf(value_mean(m->factor[f->at[i].index], m->context.luminance), 0, 1);
-        weight *= f->at[i].inverted ? 1 - mean : mean;
-    }
-    return weight;
-}
-
-/* The spectrum of one term over its image's mean colour; NULL if that is black, or if memory runs out. */
-static struct spectrum *mean_emission(const struct material *m, const struct emission_node *e)
-{
-    if (e->spectrum)
-        return spectrum_scaled(e->spectrum, 1);
-    const float *rgb = e->texture->image->mean;
-    float most = fmaxf(rgb[0], fmaxf(rgb[1], rgb[2]));
-    if (!(most > 0))
-        return NULL;
-    const float relative[3] = {fmaxf(rgb[0], 0) / most, fmaxf(rgb[1], 0) / most, fmaxf(rgb[2], 0) / most};
-    struct spectrum *color =
-        spectrum_rgb(m->context.range, &m->context.working_space, relative, m->context.uv_rule, NULL);
-    struct spectrum *lit = color ? spectrum_product(color, m->white) : NULL;
-    struct spectrum *scaled = lit ? spectrum_scaled(lit, e->scale * most) : NULL;
-    spectrum_destroy(color);
-    spectrum_destroy(lit);
-    return scaled;
-}
-
-static bool make_emission_shape(struct compiler *c)
-{
-    struct material *m = c->material;
-    for (int i = 0; i < m->emission_count; i++) {
-        struct spectrum *mean = mean_emission(m, m->emission[i].emission);
-        if (!mean)
-            continue;
-        /* A term that is off in the mean may be on somewhere: it keeps a small share of what is drawn. */
-        float weight = fmaxf(mean_weight(m, &m->emission[i].factors), 1e-3f * m->emission[i].factors.weight);
-        struct spectrum *scaled = spectrum_scaled(mean, weight);
-        struct spectrum *sum = m->emission_shape && scaled ? spectrum_sum(m->emission_shape, scaled) : scaled;
-        if (sum != scaled)
-            spectrum_destroy(scaled);
-        spectrum_destroy(mean);
-        spectrum_destroy(m->emission_shape);
-        m->emission_shape = sum;
-        if (!sum)
-            return compiler_fail(c, "emission", "out of memory");
-    }
-    return true;
-}
-
-/* The white of textured emission, of unit integral over Λ (architecture.md, "Colour and scale"). */
-static bool make_white(struct compiler *c)
-{
-    struct material *m = c->material;
-    bool needed = false;
-    for (int i = 0; i < m->emission_count; i++)
-        needed = needed || m->emission[i].emission->texture;
-    if (!needed)
-        return true;
-    struct spectrum *white = spectrum_white(m->context.range, &m->context.working_space);
-    m->white = white ? spectrum_scaled(white, (float)(1 / spectrum_integral(white))) : NULL;
-    spectrum_destroy(white);
-    return m->white || compiler_fail(c, "emission", "out of memory");
-}
-
 /* --- The material ---------------------------------------------------------------------------------------- */
 
-struct material *material_compile(const char *name, struct closure *closure, const struct material_context *context,
-                                  void (*warn)(void *user, const stokes_error *), void *user, stokes_error *err)
+struct material *material_compile(const char *name, struct closure *closure,
+                                  const struct material_context *context,
+                                  void (*warn)(void *user, const stokes_error *), void *user,
+                                  stokes_error *err)
 {
     struct material *m = calloc(1, sizeof *m);
     if (!m) {
@@ -365,12 +231,13 @@ struct material *material_compile(const char *name, struct closure *closure, con
         fail(err, name, "", "out of memory");
         return NULL;
     }
-    struct compiler compiler = {.material = m, .factors = {.weight = 1}, .warn = warn, .user = user, .err = err};
+    struct compiler compiler = {
+        .material = m, .factors = {.weight = 1}, .warn = warn, .user = user, .err = err};
     snprintf(m->name, sizeof m->name, "%s", name);
     m->closure = closure;
     m->context = *context;
-    if (!collect_textures(&compiler) || !walk(&compiler, closure) || !make_white(&compiler) ||
-        !make_emission_shape(&compiler)) {
+    if (!material_collect_textures(m, &compiler) || !walk(&compiler, closure) ||
+        !material_prepare_emission(m, &compiler)) {
         material_destroy(m);
         return NULL;
     }
@@ -393,10 +260,10 @@ void material_destroy(struct material *m)
     free(m);
 }
 
-const char *material_name(const struct material *m) { return m->name; }
-
-size_t material_texture_count(const struct material *m) { return m->texture_count; }
-struct texture *material_texture(const struct material *m, size_t index) { return m->texture[index]; }
+const char *material_name(const struct material *m)
+{
+    return m->name;
+}
 
 static struct fluorophore *fluorophore(const struct material *m, int index)
 {

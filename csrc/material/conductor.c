@@ -52,8 +52,10 @@ static bool compile(struct compiler *compiler, const struct closure *closure)
 }
 
 const struct bsdf_kind bsdf_conductor = {
-    .signature =
-        {.name = "conductor", .color_names = {"eta", "k"}, .value_names = {"roughness"}, .takes_metal = true},
+    .signature = {.name = "conductor",
+                  .color_names = {"eta", "k"},
+                  .value_names = {"roughness"},
+                  .takes_metal = true},
     .color_may_exceed_1 = {true, true},
     .compile = compile,
 };

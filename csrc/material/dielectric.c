@@ -80,8 +80,8 @@ static float albedo(const struct lobe *lobe, float z, float lambda)
 
 /* --- Smooth ---------------------------------------------------------------------------------------------- */
 
-static bool smooth_scatter(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda, float u,
-                           struct delta *out)
+static bool smooth_scatter(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
+                           float u, struct delta *out)
 {
     float n = inside_index(lobe, lambda), eta = arriving.z > 0 ? n : 1 / n;
     float f = fresnel_dielectric(fabsf(arriving.z), eta), chance = reflection_chance(lobe, f);
@@ -108,7 +108,7 @@ static bool smooth_scatter(const struct lobe *lobe, enum side side, struct vec3 
 struct facet {
     bool reflects;
     struct vec3 normal;
-    float n_a, n_b;   /* indices on the sides of a and b */
+    float n_a, n_b;     /* indices on the sides of a and b */
     float cos_a, cos_b; /* with the normal, absolute */
     float fresnel;
 };
@@ -146,7 +146,8 @@ static float compensation(const struct lobe *lobe, float cosine, float lambda)
 }
 
 /* Walter et al. 2007, eqs. 20 and 21; the n² of the camera's side is theirs. */
-static float rough_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera, float lambda)
+static float rough_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera,
+                            float lambda)
 {
     struct facet f;
     float n = inside_index(lobe, lambda), alpha = lobe->parameter[ALPHA];
@@ -160,7 +161,8 @@ static float rough_evaluate(const struct lobe *lobe, struct vec3 to_light, struc
     return transmitted(lobe, f.fresnel, n, lambda) * common * f.cos_a * f.cos_b * square(f.n_b / length);
 }
 
-static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving, float lambda)
+static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
+                       float lambda)
 {
     (void)side;
     struct facet f;
@@ -177,8 +179,8 @@ static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arri
     return visible * (1 - chance) * f.cos_a * f.cos_b * square(f.n_b / length);
 }
 
-static bool rough_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda, const float u[3],
-                         struct vec3 *leaving)
+static bool rough_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
+                         const float u[3], struct vec3 *leaving)
 {
     (void)side;
     bool back = arriving.z < 0;
@@ -221,7 +223,8 @@ const struct lobe_kind lobe_smooth_dielectric = {
     .scatter = smooth_scatter,
 };
 
-void dielectric_shade(struct lobe *lobe, float roughness, enum dielectric_branches which, float tinted, bool halved)
+void dielectric_shade(struct lobe *lobe, float roughness, enum dielectric_branches which, float tinted,
+                      bool halved)
 {
     const struct dielectric *d = lobe->data;
     bool matched = !d->disperses && fabs(d->ior.term[0] - 1) < INDEX_MATCHED;

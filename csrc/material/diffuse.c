@@ -3,14 +3,15 @@
 
 enum { ROUGHNESS };
 
-float diffuse_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving, float lambda)
+float diffuse_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
+                  float lambda)
 {
     (void)lobe, (void)side, (void)lambda;
     return arriving.z * leaving.z > 0 ? fabsf(leaving.z) / PI_F : 0;
 }
 
-bool diffuse_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda, const float u[3],
-                    struct vec3 *leaving)
+bool diffuse_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
+                    const float u[3], struct vec3 *leaving)
 {
     (void)lobe, (void)side, (void)lambda;
     *leaving = cosine_hemisphere(u[0], u[1]);
@@ -20,7 +21,9 @@ bool diffuse_sample(const struct lobe *lobe, enum side side, struct vec3 arrivin
 
 static float lambert(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera, float lambda)
 {
-    return to_light.z * to_camera.z > 0 ? spectral_value_eval(&lobe->color[0], lambda) * fabsf(to_light.z) / PI_F : 0;
+    return to_light.z * to_camera.z > 0
+               ? spectral_value_eval(&lobe->color[0], lambda) * fabsf(to_light.z) / PI_F
+               : 0;
 }
 
 static float reflectance(const struct lobe *lobe, float z, float lambda)

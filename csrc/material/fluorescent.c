@@ -118,8 +118,8 @@ static struct spectrum *capped_line(struct range range, double slope, double cap
 }
 
 /* ∫ a·min(slope·λ, cap), and the product itself. NULL when memory runs out. */
-static struct spectrum *reradiated(struct compiler *compiler, const struct spectrum *absorption, double slope, double cap,
-                                   double *integral)
+static struct spectrum *reradiated(struct compiler *compiler, const struct spectrum *absorption, double slope,
+                                   double cap, double *integral)
 {
     struct spectrum *yield = capped_line(compiler_range(compiler), slope, cap, NULL);
     struct spectrum *product = yield ? spectrum_product(absorption, yield) : NULL;
@@ -144,7 +144,8 @@ static bool make_reradiation(struct compiler *compiler, const struct closure *cl
     if (!raw || !f->reradiation)
         return compiler_fail(compiler, "yield", "out of memory");
     if (f->strength < wanted * (1 - CLAMP_NOTICED))
-        compiler_warn(compiler, "yield", "would emit more energy or photons than are absorbed; %.3g %% of the emission is cut",
+        compiler_warn(compiler, "yield",
+                      "would emit more energy or photons than are absorbed; %.3g %% of the emission is cut",
                       100 * (1 - f->strength / wanted));
     return true;
 }
@@ -155,9 +156,11 @@ static bool make_spectra(struct compiler *compiler, const struct closure *closur
     const struct spectrum *emission = closure_spectrum(closure, EMISSION);
     const struct spectrum *reflectance = closure_spectrum(closure, REFLECTANCE);
     if (!absorption)
-        return compiler_fail(compiler, "absorption", "must be a spectrum (vary the concentration by a texture)");
+        return compiler_fail(compiler, "absorption",
+                             "must be a spectrum (vary the concentration by a texture)");
     if (!emission)
-        return compiler_fail(compiler, "emission", "must be a spectrum (vary the concentration by a texture)");
+        return compiler_fail(compiler, "emission",
+                             "must be a spectrum (vary the concentration by a texture)");
     double total = spectrum_integral(emission);
     if (!(total > 0))
         return compiler_fail(compiler, "emission", "is zero over the transport range");

@@ -7,7 +7,7 @@ extern const struct bsdf_kind bsdf_diffuse, bsdf_fluorescent, bsdf_dielectric, b
     bsdf_transparent, bsdf_translucent, bsdf_principled;
 
 static const struct bsdf_kind *const kinds[] = {
-    &bsdf_diffuse, &bsdf_fluorescent,  &bsdf_dielectric,  &bsdf_conductor,
+    &bsdf_diffuse, &bsdf_fluorescent, &bsdf_dielectric,  &bsdf_conductor,
     &bsdf_glossy,  &bsdf_transparent, &bsdf_translucent, &bsdf_principled,
 };
 
@@ -24,4 +24,7 @@ const struct bsdf_kind *bsdf_kind_find(const char *name)
     return NULL;
 }
 
-const struct bsdf_signature *bsdf_kind_signature(const struct bsdf_kind *kind) { return &kind->signature; }
+const struct bsdf_signature *bsdf_kind_signature(const struct bsdf_kind *kind)
+{
+    return &kind->signature;
+}

@@ -25,7 +25,8 @@ struct delta {
 struct lobe_kind {
     const char *name;
     enum lobe_nature nature;
-    enum scatter_class reflects_as; /* how Cycles counts its reflection; its transmission is SCATTER_TRANSMISSION */
+    enum scatter_class
+        reflects_as; /* how Cycles counts its reflection; its transmission is SCATTER_TRANSMISSION */
 
     /* Estimate of the share of power that this lobe scatters of what arrives with cosine z, without the weight. Sets chances; for
        lobes of finite density it is also g of eq. 26. */
@@ -43,7 +44,8 @@ struct lobe_kind {
                    struct vec3 *leaving);
     bool (*disperses)(const struct lobe *); /* its transmission; NULL: does not refract */
 
-    bool (*scatter)(const struct lobe *, enum side, struct vec3 arriving, float lambda, float u, struct delta *);
+    bool (*scatter)(const struct lobe *, enum side, struct vec3 arriving, float lambda, float u,
+                    struct delta *);
 };
 
 /* Not `static` where another file makes lobes of the kind, too. */
@@ -125,10 +127,12 @@ const struct bsdf_kind *bsdf_kind_at(size_t index); /* NULL past the end */
 
 /* Adds a lobe. Takes data. NULL if there are too many (the error is set, data is freed). */
 struct lobe_plan *compiler_add(struct compiler *, const struct closure *,
-                               bool (*shade)(const struct lobe_plan *, const struct inputs *, struct lobe *), void *data,
-                               void (*free_data)(void *));
-bool compiler_fail(struct compiler *, const char *property, const char *format, ...) __attribute__((format(printf, 3, 4)));
-void compiler_warn(struct compiler *, const char *property, const char *format, ...) __attribute__((format(printf, 3, 4)));
+                               bool (*shade)(const struct lobe_plan *, const struct inputs *, struct lobe *),
+                               void *data, void (*free_data)(void *));
+bool compiler_fail(struct compiler *, const char *property, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void compiler_warn(struct compiler *, const char *property, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 struct range compiler_range(const struct compiler *);
 bool compiler_check_ior(struct compiler *, const struct ior *);
 
@@ -203,5 +207,20 @@ struct material {
     size_t texture_count;
     bool may_be_transparent;
 };
+
+/* Steps of material_compile: textures into m->texture; emission_shape and white. */
+bool material_collect_textures(struct material *, struct compiler *);
+bool material_prepare_emission(struct material *, struct compiler *);
+
+/* Mix factors at a hit, each evaluated when first asked for. */
+struct factor_values {
+    const struct material *material;
+    const struct shading_point *point;
+    uint32_t known; /* bits */
+    struct view_factor value[MATERIAL_FACTORS];
+};
+/* Their product, seen along a direction. */
+float factors_weight(const struct factors *, struct factor_values *, struct vec3 direction);
+struct shading_point shading_point_of(const struct material *, const struct hit *, struct vec3 viewing);
 
 #endif

@@ -37,17 +37,17 @@ struct spectral_value {
 /* Where a ray met a surface, as the scene says it. */
 struct hit {
     struct vec3 position;
-    struct vec3 ng; /* unit, by the triangle's winding (not turned toward the ray) */
-    struct vec3 ns; /* unit, interpolated; ng where the face is flat */
+    struct vec3 ng;      /* unit, by the triangle's winding (not turned toward the ray) */
+    struct vec3 ns;      /* unit, interpolated; ng where the face is flat */
     struct vec3 tangent; /* ∂p/∂u of the default UV layer, unit; zero where there is none */
-    bool mirrored_uv;    /* (ns × tangent)·∂p/∂v < 0: the bitangent of normal maps is −ns × tangent */
+    bool mirrored_uv; /* (ns × tangent)·∂p/∂v < 0: the bitangent of normal maps is −ns × tangent */
     struct vec3 generated, object; /* texture coordinates */
-    float error; /* a bound of the position's rounding error, metres */
+    float error;                   /* a bound of the position's rounding error, metres */
     float uv[2];
     float bary_u, bary_v;
     uint32_t instance, primitive;
     const void *mesh; /* struct hit_mesh (hit_mesh.h), for further UV layers */
-    int light; /* index of the emitter that this surface is, or −1 */
+    int light;        /* index of the emitter that this surface is, or −1 */
 };
 
 struct material; /* compiled; immutable; shared by threads */
@@ -68,7 +68,7 @@ struct lobe {
     struct view_factor view[LOBE_VIEW_FACTORS];
     struct spectral_value color[3];
     float parameter[6];
-    const void *data; /* borrowed from the material */
+    const void *data;   /* borrowed from the material */
     struct frame frame; /* about the shading normal, turned to the side of ng */
 };
 
@@ -77,7 +77,7 @@ struct surface {
     struct lobe lobe[SURFACE_LOBES];
     uint8_t lobe_count, fluorescent_count, specular_count;
     bool has_elastic; /* any lobe of finite density that is not fluorescent */
-    bool connects; /* has a lobe of finite density at all */
+    bool connects;    /* has a lobe of finite density at all */
     uint8_t fluorescent[SURFACE_LOBES], specular[SURFACE_LOBES]; /* indices of those lobes */
     const struct material *material;
 };
@@ -88,15 +88,16 @@ void material_shade(const struct material *, const struct hit *, struct vec3 vie
 /* Value ρ of all elastic lobes of finite density, sr⁻¹. */
 float surface_elastic(const struct surface *, struct vec3 to_light, struct vec3 to_camera, float lambda);
 /* Value of fluorescent lobe f (an index in 0 … fluorescent_count − 1), sr⁻¹ nm⁻¹: c ã(λi) e(λo)/π for JHD18. */
-float surface_fluorescent(const struct surface *, int f, struct vec3 to_light, struct vec3 to_camera, float lambda_in,
-                          float lambda_out);
+float surface_fluorescent(const struct surface *, int f, struct vec3 to_light, struct vec3 to_camera,
+                          float lambda_in, float lambda_out);
 
 /* Density with which a sub-path from `side` that came in from direction `arriving` with wavelength lambda goes on by label
    ELASTIC to `leaving`: label probability × density per projected solid angle. */
-float surface_pdf_elastic(const struct surface *, enum side, struct vec3 arriving, struct vec3 leaving, float lambda);
+float surface_pdf_elastic(const struct surface *, enum side, struct vec3 arriving, struct vec3 leaving,
+                          float lambda);
 /* The same by fluorescent lobe f, times the density of the new wavelength (nm⁻¹). */
-float surface_pdf_fluorescent(const struct surface *, enum side, int f, struct vec3 arriving, struct vec3 leaving,
-                              float lambda_arriving, float lambda_leaving);
+float surface_pdf_fluorescent(const struct surface *, enum side, int f, struct vec3 arriving,
+                              struct vec3 leaving, float lambda_arriving, float lambda_leaving);
 /* The density of the label ELASTIC for an E–E vertex under the constant kernel, divided by k (algorithm.md §6): from the camera
    (1−P_F(λc))·g(λl)·2d/∫g × the direction's density; tends to surface_pdf_elastic as d → 0. */
 float surface_pdf_mollified(const struct surface *, enum side, struct vec3 arriving, struct vec3 leaving,
@@ -106,8 +107,9 @@ struct scatter {
     enum label label;
     int lobe; /* index f for FLUORESCENT, into specular[] for SPECULAR */
     struct vec3 direction;
-    float lambda;    /* of the next edge */
-    float value;     /* ρ; for SPECULAR the coefficient T or R, without the δ, with n² where refraction scales radiance */
+    float lambda; /* of the next edge */
+    float
+        value; /* ρ; for SPECULAR the coefficient T or R, without the δ, with n² where refraction scales radiance */
     float pdf;       /* of this draw: label × wavelength × direction; for SPECULAR without the δ */
     float pdf_other; /* with which the other side's sub-path would have gone the other way */
     bool refracts;   /* passed through the surface with a change of index */

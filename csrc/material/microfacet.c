@@ -31,7 +31,8 @@ float microfacet_evaluate(const struct lobe *lobe, struct vec3 to_light, struct 
     return reflectance * ggx_d(h, alpha) * g / (4 * to_camera.z);
 }
 
-float microfacet_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving, float lambda)
+float microfacet_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
+                     float lambda)
 {
     (void)side, (void)lambda;
     if (arriving.z * leaving.z <= 0)
@@ -41,8 +42,8 @@ float microfacet_pdf(const struct lobe *lobe, enum side side, struct vec3 arrivi
     return ggx_d(h, alpha) / (4 * fabsf(arriving.z) * (1 + ggx_lambda(arriving, alpha)));
 }
 
-bool microfacet_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda, const float u[3],
-                       struct vec3 *leaving)
+bool microfacet_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
+                       const float u[3], struct vec3 *leaving)
 {
     (void)side, (void)lambda;
     bool back = arriving.z < 0;

@@ -5,7 +5,10 @@
 
 #include "material/lobe.h"
 
-static inline float square(float x) { return x * x; }
+static inline float square(float x)
+{
+    return x * x;
+}
 
 /* Unpolarised reflectance at a cosine ≥ 0 on the side of index 1; eta is the index on the other side. 1 in total reflection. */
 static inline float fresnel_dielectric(float cosine, float eta)
@@ -18,7 +21,10 @@ static inline float fresnel_dielectric(float cosine, float eta)
     return 0.5f * (s * s + p * p);
 }
 
-static inline float fresnel_f0(float eta) { return square((eta - 1) / (eta + 1)); }
+static inline float fresnel_f0(float eta)
+{
+    return square((eta - 1) / (eta + 1));
+}
 
 /* Unpolarised reflectance of a conductor η + ik in vacuum, without approximation (Born & Wolf §14.2). */
 float fresnel_conductor(float cosine, float eta, float k);
@@ -39,7 +45,10 @@ static inline bool refract(struct vec3 a, struct vec3 h, float eta, struct vec3 
     return true;
 }
 
-static inline struct vec3 reflect(struct vec3 a, struct vec3 h) { return normalize(along(negate(a), h, 2 * dot(a, h))); }
+static inline struct vec3 reflect(struct vec3 a, struct vec3 h)
+{
+    return normalize(along(negate(a), h, 2 * dot(a, h)));
+}
 
 /* Density of microfacet normals, per solid angle: ∫ D cos = 1. */
 static inline float ggx_d(struct vec3 h, float alpha)
@@ -69,7 +78,10 @@ static inline struct vec3 ggx_sample(struct vec3 w, float alpha, float u, float 
     return normalize(vec3(alpha * h.x, alpha * h.y, fmaxf(h.z, 1e-7f)));
 }
 
-static inline struct vec3 mirrored(struct vec3 w) { return vec3(w.x, w.y, -w.z); }
+static inline struct vec3 mirrored(struct vec3 w)
+{
+    return vec3(w.x, w.y, -w.z);
+}
 
 /* Functions of reflecting lobes: parameter[0] is α, parameter[1] ≠ 0 asks for separable masking; kind->reflectance colours. */
 float microfacet_evaluate(const struct lobe *, struct vec3 to_light, struct vec3 to_camera, float lambda);
@@ -77,7 +89,8 @@ float microfacet_pdf(const struct lobe *, enum side, struct vec3 arriving, struc
 bool microfacet_sample(const struct lobe *, enum side, struct vec3 arriving, float lambda, const float u[3],
                        struct vec3 *leaving);
 /* A smooth one, both faces. */
-bool mirror_scatter(const struct lobe *, enum side, struct vec3 arriving, float lambda, float u, struct delta *);
+bool mirror_scatter(const struct lobe *, enum side, struct vec3 arriving, float lambda, float u,
+                    struct delta *);
 /* The kind's reflectance as seen along z. */
 float reflectance_albedo(const struct lobe *, float z, float lambda);
 

@@ -12,7 +12,10 @@ enum { PRINCIPLED_MULTI_SCATTER };
 bool principled3_compile(struct compiler *, const struct closure *);
 bool principled4_compile(struct compiler *, const struct closure *);
 
-static inline float saturate(float x) { return clampf(x, 0, 1); }
+static inline float saturate(float x)
+{
+    return clampf(x, 0, 1);
+}
 
 /* True if the value can be above low and below high (exclusive) somewhere. */
 static inline bool principled_can_exceed(const struct closure *c, int value, float bound)

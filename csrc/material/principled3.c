@@ -48,7 +48,8 @@ static const struct lobe_kind lobe_burley = {
 static bool shade_diffuse(const struct lobe_plan *plan, const struct inputs *in, struct lobe *lobe)
 {
     (void)plan;
-    lobe->weight *= (1 - saturate(in->value[PRINCIPLED_METALLIC])) * (1 - saturate(in->value[PRINCIPLED_TRANSMISSION]));
+    lobe->weight *=
+        (1 - saturate(in->value[PRINCIPLED_METALLIC])) * (1 - saturate(in->value[PRINCIPLED_TRANSMISSION]));
     lobe->color[0] = in->color[PRINCIPLED_BASE];
     lobe->parameter[DIFFUSE_ROUGHNESS] = saturate(in->value[PRINCIPLED_ROUGHNESS]);
     lobe->kind = &lobe_burley;
@@ -71,15 +72,17 @@ static float specular_reflectance(const struct lobe *lobe, float cosine, float l
     return lerpf(color, 1, saturate(toward_white));
 }
 
-static float specular_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera, float lambda)
+static float specular_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera,
+                               float lambda)
 {
     const struct albedo_table *table = lobe->data;
-    float value = microfacet_evaluate(lobe, to_light, to_camera, lambda), roughness = lobe->parameter[SPECULAR_ROUGHNESS];
+    float value = microfacet_evaluate(lobe, to_light, to_camera, lambda),
+          roughness = lobe->parameter[SPECULAR_ROUGHNESS];
     if (value == 0 || !table || roughness <= SINGLE_SCATTER_ROUGHNESS)
         return value;
     float facets = specular_reflectance(lobe, 1, lambda);
-    return value * principled_compensation(albedo_at(table, roughness, fabsf(to_camera.z)), albedo_mean(table, roughness),
-                                           facets);
+    return value * principled_compensation(albedo_at(table, roughness, fabsf(to_camera.z)),
+                                           albedo_mean(table, roughness), facets);
 }
 
 static const struct lobe_kind lobe_specular = {
@@ -104,15 +107,18 @@ static const struct lobe_kind lobe_smooth_specular = {
 
 static bool shade_specular(const struct lobe_plan *plan, const struct inputs *in, struct lobe *lobe)
 {
-    float metallic = saturate(in->value[PRINCIPLED_METALLIC]), roughness = saturate(in->value[PRINCIPLED_ROUGHNESS]);
+    float metallic = saturate(in->value[PRINCIPLED_METALLIC]),
+          roughness = saturate(in->value[PRINCIPLED_ROUGHNESS]);
     float transmission = saturate(in->value[PRINCIPLED_TRANSMISSION]) * (1 - metallic);
-    float specular = clampf(in->value[PRINCIPLED_SPECULAR], 0, 12), luminance = in->luminance[PRINCIPLED_BASE];
+    float specular = clampf(in->value[PRINCIPLED_SPECULAR], 0, 12),
+          luminance = in->luminance[PRINCIPLED_BASE];
     if (closure_spectrum(plan->closure, PRINCIPLED_BASE))
         luminance = plan->luminance;
     bool compensated = plan->data && roughness > SINGLE_SCATTER_ROUGHNESS;
     lobe->weight *= 1 - transmission;
     lobe->color[PRINCIPLED_BASE] = in->color[PRINCIPLED_BASE];
-    lobe->color[PRINCIPLED_TINT] = plan->closure->color[PRINCIPLED_TINT] ? in->color[PRINCIPLED_TINT] : spectral_flat(0);
+    lobe->color[PRINCIPLED_TINT] =
+        plan->closure->color[PRINCIPLED_TINT] ? in->color[PRINCIPLED_TINT] : spectral_flat(0);
     lobe->parameter[0] = alpha_of_roughness(roughness);
     lobe->parameter[1] = compensated ? 0 : 1;
     lobe->parameter[METALLIC] = metallic;
@@ -136,7 +142,10 @@ static float luminance_of(const struct spectrum *s)
     return (float)(sum / white);
 }
 
-static void table_destroy(void *data) { albedo_table_destroy(data); }
+static void table_destroy(void *data)
+{
+    albedo_table_destroy(data);
+}
 
 static bool compile_specular(struct compiler *compiler, const struct closure *closure)
 {
@@ -159,7 +168,8 @@ static bool compile_specular(struct compiler *compiler, const struct closure *cl
 static bool shade_glass(const struct lobe_plan *plan, const struct inputs *in, struct lobe *lobe)
 {
     bool tinted = plan->closure->color[PRINCIPLED_TINT];
-    lobe->weight *= saturate(in->value[PRINCIPLED_TRANSMISSION]) * (1 - saturate(in->value[PRINCIPLED_METALLIC]));
+    lobe->weight *=
+        saturate(in->value[PRINCIPLED_TRANSMISSION]) * (1 - saturate(in->value[PRINCIPLED_METALLIC]));
     lobe->color[0] = spectral_flat(1);
     lobe->color[1] = in->color[PRINCIPLED_BASE];
     lobe->color[2] = in->color[PRINCIPLED_BASE];

@@ -31,7 +31,8 @@ static float compensation(const struct tables *t, float roughness, float cosine,
 {
     if (!t->white)
         return 1;
-    return principled_compensation(albedo_at(t->white, roughness, fabsf(cosine)), albedo_mean(t->white, roughness), facets);
+    return principled_compensation(albedo_at(t->white, roughness, fabsf(cosine)),
+                                   albedo_mean(t->white, roughness), facets);
 }
 
 /* parameter[0] and [1] are those of microfacet.h. */
@@ -53,7 +54,8 @@ static float metal_reflectance(const struct lobe *lobe, float cosine, float lamb
     return saturate(lerpf(f0, 1, m5) - f82_dip(f0, tint) * cosine * m5 * (1 - cosine));
 }
 
-static float metal_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera, float lambda)
+static float metal_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera,
+                            float lambda)
 {
     float value = microfacet_evaluate(lobe, to_light, to_camera, lambda);
     if (value == 0)
@@ -135,7 +137,8 @@ static float layer_facets(const struct lobe *lobe, float lambda)
     return lerpf(layer_f0(lobe, lambda), 1, saturate((mean - f0) / (1 - f0)));
 }
 
-static float layer_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera, float lambda)
+static float layer_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera,
+                            float lambda)
 {
     float value = microfacet_evaluate(lobe, to_light, to_camera, lambda);
     return value == 0 ? 0
@@ -165,7 +168,8 @@ static const struct lobe_kind lobe_smooth_layer = {
 
 static float opaque_weight(const struct inputs *in)
 {
-    return (1 - saturate(in->value[PRINCIPLED_METALLIC])) * (1 - saturate(in->value[PRINCIPLED_TRANSMISSION]));
+    return (1 - saturate(in->value[PRINCIPLED_METALLIC])) *
+           (1 - saturate(in->value[PRINCIPLED_TRANSMISSION]));
 }
 
 static bool shade_specular(const struct lobe_plan *plan, const struct inputs *in, struct lobe *lobe)
@@ -187,7 +191,8 @@ static float fresnel_share(const struct lobe *lobe, float cosine)
     float x = (sqrtf(sqrtf(lobe->parameter[F0])) - t->low) / (t->high - t->low) * (float)(t->share_count - 1);
     x = clampf(x, 0, (float)(t->share_count - 1));
     int i = (int)fminf(x, (float)(t->share_count - 2));
-    return lerpf(albedo_at(t->share[i], roughness, cosine), albedo_at(t->share[i + 1], roughness, cosine), x - (float)i);
+    return lerpf(albedo_at(t->share[i], roughness, cosine), albedo_at(t->share[i + 1], roughness, cosine),
+                 x - (float)i);
 }
 
 /* What the layer's albedo leaves, seen along a cosine. */
@@ -199,7 +204,8 @@ static float base_share(const struct lobe *lobe, float cosine, float lambda)
         return 1;
     float albedo = lerpf(layer_f0(lobe, lambda), 1, fresnel_share(lobe, cosine));
     if (t->white) /* E·compensation: 1 for facets that absorb nothing */
-        albedo *= albedo_at(t->white, roughness, cosine) * compensation(t, roughness, cosine, layer_facets(lobe, lambda));
+        albedo *= albedo_at(t->white, roughness, cosine) *
+                  compensation(t, roughness, cosine, layer_facets(lobe, lambda));
     return saturate(1 - albedo);
 }
 
@@ -210,7 +216,8 @@ static float base_albedo(const struct lobe *lobe, float z, float lambda)
 
 static float base_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera, float lambda)
 {
-    return to_light.z * to_camera.z > 0 ? base_albedo(lobe, to_camera.z, lambda) * fabsf(to_light.z) / PI_F : 0;
+    return to_light.z * to_camera.z > 0 ? base_albedo(lobe, to_camera.z, lambda) * fabsf(to_light.z) / PI_F
+                                        : 0;
 }
 
 static const struct lobe_kind lobe_base = {
@@ -236,7 +243,8 @@ static bool shade_base(const struct lobe_plan *plan, const struct inputs *in, st
 static bool shade_glass(const struct lobe_plan *plan, const struct inputs *in, struct lobe *lobe)
 {
     (void)plan;
-    lobe->weight *= saturate(in->value[PRINCIPLED_TRANSMISSION]) * (1 - saturate(in->value[PRINCIPLED_METALLIC]));
+    lobe->weight *=
+        saturate(in->value[PRINCIPLED_TRANSMISSION]) * (1 - saturate(in->value[PRINCIPLED_METALLIC]));
     lobe->color[0] = spectral_flat(1);
     lobe->color[1] = in->color[PRINCIPLED_BASE];
     lobe->color[2] = in->color[PRINCIPLED_TINT];
@@ -296,10 +304,11 @@ bool principled4_compile(struct compiler *compiler, const struct closure *closur
     bool dielectric = principled_can_stay_below(closure, PRINCIPLED_METALLIC, 1);
     bool glass = dielectric && principled_can_exceed(closure, PRINCIPLED_TRANSMISSION, 0);
     bool opaque = dielectric && principled_can_stay_below(closure, PRINCIPLED_TRANSMISSION, 1);
-    bool layer = opaque && principled_can_exceed(closure, PRINCIPLED_SPECULAR, 0) && closure->number[PRINCIPLED_IOR] != 1;
+    bool layer = opaque && principled_can_exceed(closure, PRINCIPLED_SPECULAR, 0) &&
+                 closure->number[PRINCIPLED_IOR] != 1;
     bool base = opaque && closure_color_is_present(closure, PRINCIPLED_BASE);
-    bool (*const shade[])(const struct lobe_plan *, const struct inputs *, struct lobe *) = {shade_metal, shade_specular,
-                                                                                            shade_base};
+    bool (*const shade[])(const struct lobe_plan *, const struct inputs *,
+                          struct lobe *) = {shade_metal, shade_specular, shade_base};
     const bool wanted[] = {metal, layer, base};
     if (glass && !compile_glass(compiler, closure))
         return false;

@@ -1,18 +1,10 @@
-/* What a material is at a hit: textures, mix factors and normals evaluated; its lobes, its transparency, its emission. */
+/* What a material is at a hit: textures, mix factors and normals evaluated; its lobes and its transparency. */
 #include "material/lobe.h"
 
 /* A shading normal keeps at least this cosine with the geometric one. */
 #define NORMAL_MIN_COSINE 1e-3f
 
 /* --- Factors --------------------------------------------------------------------------------------------- */
-
-/* Mix factors at a hit, each evaluated when first asked for. */
-struct factor_values {
-    const struct material *material;
-    const struct shading_point *point;
-    uint32_t known; /* bits */
-    struct view_factor value[MATERIAL_FACTORS];
-};
 
 /* Those that depend on the view beyond a + b·φ look along the sub-path. */
 static struct view_factor factor_at(struct factor_values *f, int index)
@@ -52,7 +44,7 @@ static float weight_of(const struct factors *factors, struct factor_values *valu
     return weight;
 }
 
-static float weight_along(const struct factors *factors, struct factor_values *values, struct vec3 direction)
+float factors_weight(const struct factors *factors, struct factor_values *values, struct vec3 direction)
 {
     struct view_factor view[PLAN_FACTORS];
     uint32_t count;
@@ -64,9 +56,8 @@ static float weight_along(const struct factors *factors, struct factor_values *v
 
 /* --- Inputs ---------------------------------------------------------------------------------------------- */
 
-static float most_of(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
-
-static struct spectral_value textured(const struct color_node *color, const struct shading_point *p, float *luminance)
+static struct spectral_value textured(const struct color_node *color, const struct shading_point *p,
+                                      float *luminance)
 {
     const struct material_context *context = p->context;
     float rgba[4];
@@ -81,7 +72,8 @@ static struct spectral_value textured(const struct color_node *color, const stru
                                    .curve = rgb_table_lookup(context->rgb_table, rgba)};
 }
 
-static struct spectral_value color_at(const struct closure *c, int i, const struct shading_point *p, float *luminance)
+static struct spectral_value color_at(const struct closure *c, int i, const struct shading_point *p,
+                                      float *luminance)
 {
     *luminance = 0;
     if (!c->color[i])
@@ -102,7 +94,8 @@ static struct vec3 mapped_normal(const struct closure *c, const struct shading_p
         return p->ns;
     struct vec3 b = scale(cross(n, t), hit->mirrored_uv ? -1 : 1);
     texture_at(c->normal_map, p, rgba);
-    struct vec3 m = normalize(add(add(scale(t, 2 * rgba[0] - 1), scale(b, 2 * rgba[1] - 1)), scale(n, 2 * rgba[2] - 1)));
+    struct vec3 m =
+        normalize(add(add(scale(t, 2 * rgba[0] - 1), scale(b, 2 * rgba[1] - 1)), scale(n, 2 * rgba[2] - 1)));
     m = normalize(along(n, sub(m, n), fmaxf(c->normal_strength, 0)));
     if (length_squared(m) == 0)
         return p->ns;
@@ -132,7 +125,7 @@ static void inputs_at(const struct closure *c, const struct shading_point *p, st
 
 /* --- Lobes ----------------------------------------------------------------------------------------------- */
 
-static struct shading_point point_of(const struct material *m, const struct hit *hit, struct vec3 viewing)
+struct shading_point shading_point_of(const struct material *m, const struct hit *hit, struct vec3 viewing)
 {
     float cosine = dot(hit->ns, hit->ng);
     struct vec3 ns = cosine > 0 ? hit->ns : cosine < 0 ? negate(hit->ns) : hit->ng;
@@ -158,7 +151,7 @@ static void register_lobe(struct surface *s)
 
 void material_shade(const struct material *m, const struct hit *hit, struct vec3 viewing, struct surface *s)
 {
-    struct shading_point point = point_of(m, hit, viewing);
+    struct shading_point point = shading_point_of(m, hit, viewing);
     struct factor_values factors = {.material = m, .point = &point};
     const struct closure *known = NULL;
     struct inputs in;
@@ -182,15 +175,16 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
     }
 }
 
-float material_transmittance(const struct material *m, const struct hit *hit, struct vec3 viewing, float lambda)
+float material_transmittance(const struct material *m, const struct hit *hit, struct vec3 viewing,
+                             float lambda)
 {
-    struct shading_point point = point_of(m, hit, viewing);
+    struct shading_point point = shading_point_of(m, hit, viewing);
     struct factor_values factors = {.material = m, .point = &point};
     float sum = 0, luminance;
     for (int i = 0; i < m->lobe_count; i++) {
         if (!m->lobe[i].is_transparent)
             continue;
-        float weight = weight_along(&m->lobe[i].factors, &factors, viewing);
+        float weight = factors_weight(&m->lobe[i].factors, &factors, viewing);
         if (weight > 0) {
             struct spectral_value color = color_at(m->lobe[i].closure, 0, &point, &luminance);
             sum += weight * spectral_value_eval(&color, lambda);
@@ -199,49 +193,7 @@ float material_transmittance(const struct material *m, const struct hit *hit, st
     return sum;
 }
 
-bool material_may_be_transparent(const struct material *m) { return m->may_be_transparent; }
-
-/* --- Emission -------------------------------------------------------------------------------------------- */
-
-/* k · max(rgb) · upsample(rgb/max) · white/∫white (STREAM.md, L). */
-static float textured_emission(const struct material *m, const struct emission_node *e, const struct shading_point *p,
-                               float lambda)
+bool material_may_be_transparent(const struct material *m)
 {
-    float rgba[4];
-    texture_at(e->texture, p, rgba);
-    float most = most_of(rgba);
-    if (!(most > 0))
-        return 0;
-    const float relative[3] = {fmaxf(rgba[0], 0) / most, fmaxf(rgba[1], 0) / most, fmaxf(rgba[2], 0) / most};
-    struct rgb_curve curve = rgb_table_lookup(m->context.rgb_table, relative);
-    return e->scale * most * rgb_curve_eval(&curve, lambda, m->context.uv_rule) * spectrum_eval(m->white, lambda);
-}
-
-float material_emission(const struct material *m, const struct hit *hit, struct vec3 out, float lambda)
-{
-    struct shading_point point = point_of(m, hit, out);
-    struct factor_values factors = {.material = m, .point = &point};
-    bool front = dot(out, hit->ng) > 0;
-    float sum = 0;
-    for (int i = 0; i < m->emission_count; i++) {
-        const struct emission_node *e = m->emission[i].emission;
-        if (!front && !e->two_sided)
-            continue;
-        float weight = weight_along(&m->emission[i].factors, &factors, out);
-        if (weight > 0)
-            sum += weight * (e->texture ? textured_emission(m, e, &point, lambda) : spectrum_eval(e->spectrum, lambda));
-    }
-    return sum;
-}
-
-bool material_emits(const struct material *m) { return m->emission_count > 0; }
-
-const struct spectrum *material_emission_shape(const struct material *m) { return m->emission_shape; }
-
-bool material_emits_on_both_sides(const struct material *m)
-{
-    for (int i = 0; i < m->emission_count; i++)
-        if (m->emission[i].emission->two_sided)
-            return true;
-    return false;
+    return m->may_be_transparent;
 }

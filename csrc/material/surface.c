@@ -25,7 +25,10 @@ static float view_weight(const struct surface *s, const struct lobe *lobe, struc
     return weight;
 }
 
-static const struct fluorophore *fluorophore_of(const struct lobe *lobe) { return lobe->data; }
+static const struct fluorophore *fluorophore_of(const struct lobe *lobe)
+{
+    return lobe->data;
+}
 
 /* --- Chances (algorithm.md §4) ----------------------------------------------------------------------------- */
 
@@ -52,7 +55,8 @@ static void split(const struct surface *s, float chance[], float fluorescent, fl
 }
 
 /* The chance of each lobe for a sub-path from `side` that came in from `arriving`. They sum to 1, if there are lobes. */
-static void chances(const struct surface *s, enum side side, struct vec3 arriving, float lambda, float chance[])
+static void chances(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
+                    float chance[])
 {
     float fluorescent = 0, elastic = 0, soft = 0;
     if (s->lobe_count == 1) {
@@ -70,7 +74,8 @@ static void chances(const struct surface *s, enum side side, struct vec3 arrivin
         float z = fmaxf(fabsf(dot(arriving, lobe->frame.n)), 1e-4f);
         float albedo = lobe->kind->albedo(lobe, copysignf(z, dot(arriving, s->ng)), lambda);
         elastic += weight * albedo;
-        chance[i] = lobe->weight * fmaxf(view, VIEW_FLOOR) * (CHANCE_FLOOR + (1 - CHANCE_FLOOR) * fminf(albedo, 1));
+        chance[i] =
+            lobe->weight * fmaxf(view, VIEW_FLOOR) * (CHANCE_FLOOR + (1 - CHANCE_FLOOR) * fminf(albedo, 1));
         soft += chance[i];
     }
     split(s, chance, fluorescent, elastic, soft);
@@ -86,7 +91,8 @@ float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3
     for (int i = 0; i < s->lobe_count; i++) {
         const struct lobe *lobe = &s->lobe[i];
         struct vec3 l, c;
-        if (lobe->kind->nature != LOBE_FINITE || !to_lobe(s, lobe, to_light, &l) || !to_lobe(s, lobe, to_camera, &c))
+        if (lobe->kind->nature != LOBE_FINITE || !to_lobe(s, lobe, to_light, &l) ||
+            !to_lobe(s, lobe, to_camera, &c))
             continue;
         float weight = lobe->weight * view_weight(s, lobe, to_camera);
         if (weight > 0)
@@ -95,23 +101,25 @@ float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3
     return sum / cosine;
 }
 
-float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, struct vec3 to_camera, float lambda_in,
-                          float lambda_out)
+float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, struct vec3 to_camera,
+                          float lambda_in, float lambda_out)
 {
     const struct lobe *lobe = &s->lobe[s->fluorescent[f]];
     const struct fluorophore *dye = fluorophore_of(lobe);
     struct vec3 l, c;
     if (!to_lobe(s, lobe, to_light, &l) || !to_lobe(s, lobe, to_camera, &c) || l.z * c.z < 0)
         return 0;
-    float weight = lobe->weight * view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
-    return weight * spectrum_eval(dye->emission, lambda_out) * fabsf(l.z) / (PI_F * fabsf(dot(to_light, s->ng)));
+    float weight =
+        lobe->weight * view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
+    return weight * spectrum_eval(dye->emission, lambda_out) * fabsf(l.z) /
+           (PI_F * fabsf(dot(to_light, s->ng)));
 }
 
 /* --- Densities ------------------------------------------------------------------------------------------- */
 
 /* Per projected solid angle, of one lobe of finite density, without its chance. */
-static float direction_pdf(const struct surface *s, const struct lobe *lobe, enum side side, struct vec3 arriving,
-                           struct vec3 leaving, float lambda)
+static float direction_pdf(const struct surface *s, const struct lobe *lobe, enum side side,
+                           struct vec3 arriving, struct vec3 leaving, float lambda)
 {
     struct vec3 a, b;
     if (!to_lobe(s, lobe, arriving, &a) || !to_lobe(s, lobe, leaving, &b))
@@ -132,15 +140,16 @@ float surface_pdf_elastic(const struct surface *s, enum side side, struct vec3 a
     return sum;
 }
 
-float surface_pdf_fluorescent(const struct surface *s, enum side side, int f, struct vec3 arriving, struct vec3 leaving,
-                              float lambda_arriving, float lambda_leaving)
+float surface_pdf_fluorescent(const struct surface *s, enum side side, int f, struct vec3 arriving,
+                              struct vec3 leaving, float lambda_arriving, float lambda_leaving)
 {
     float chance[SURFACE_LOBES];
     int index = s->fluorescent[f];
     const struct lobe *lobe = &s->lobe[index];
     const struct fluorophore *dye = fluorophore_of(lobe);
     chances(s, side, arriving, lambda_arriving, chance);
-    float pdf = chance[index] * spectrum_pdf(side == SIDE_CAMERA ? dye->reradiation : dye->emission, lambda_leaving);
+    float pdf =
+        chance[index] * spectrum_pdf(side == SIDE_CAMERA ? dye->reradiation : dye->emission, lambda_leaving);
     return pdf > 0 ? pdf * direction_pdf(s, lobe, side, arriving, leaving, lambda_arriving) : 0;
 }
 
@@ -148,8 +157,10 @@ float surface_pdf_fluorescent(const struct surface *s, enum side side, int f, st
    RGB, and Fresnel's formulae over tabulated indices. */
 static double albedo_quadrature(const struct lobe *lobe, float z, float a, float b)
 {
-    static const double node[] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263};
-    static const double weight[] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
+    static const double node[] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281,
+                                  0.9305681557970263};
+    static const double weight[] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
+                                    0.17392742256872693};
     int pieces = 1 + (int)((b - a) / 50);
     double width = (b - a) / (double)pieces, sum = 0;
     for (int i = 0; i < pieces; i++)
@@ -159,7 +170,8 @@ static double albedo_quadrature(const struct lobe *lobe, float z, float a, float
 }
 
 /* g(λl)·2d/∫g of eq. 26, as g over its mean; at an end of Λ the mean is over the part inside. */
-static float mollified_ratio(const struct surface *s, struct vec3 arriving, float center, float lambda, float half_width)
+static float mollified_ratio(const struct surface *s, struct vec3 arriving, float center, float lambda,
+                             float half_width)
 {
     struct range range = s->material->context.range;
     float a = fmaxf(center - half_width, range.min), b = fminf(center + half_width, range.max);
@@ -179,8 +191,9 @@ static float mollified_ratio(const struct surface *s, struct vec3 arriving, floa
     return integral > 0 ? (float)(value * (b - a) / integral) : 0;
 }
 
-float surface_pdf_mollified(const struct surface *s, enum side side, struct vec3 arriving, struct vec3 leaving,
-                            float lambda_arriving, float lambda_leaving, float half_width_nm)
+float surface_pdf_mollified(const struct surface *s, enum side side, struct vec3 arriving,
+                            struct vec3 leaving, float lambda_arriving, float lambda_leaving,
+                            float half_width_nm)
 {
     if (fabsf(lambda_arriving - lambda_leaving) > half_width_nm)
         return 0; /* the indicator that eq. 25 lacks */
@@ -222,7 +235,8 @@ static bool draw_direction(const struct draw *d, const struct lobe *lobe, struct
 {
     const float u[3] = {d->u[2], d->u[3], d->u[1]};
     struct vec3 a, b;
-    if (!to_lobe(d->surface, lobe, d->arriving, &a) || !lobe->kind->sample(lobe, d->side, a, d->lambda, u, &b))
+    if (!to_lobe(d->surface, lobe, d->arriving, &a) ||
+        !lobe->kind->sample(lobe, d->side, a, d->lambda, u, &b))
         return false;
     *leaving = to_world(&lobe->frame, b);
     return b.z * dot(*leaving, d->surface->ng) > 0;
@@ -240,7 +254,8 @@ static bool draw_elastic(const struct draw *d, const struct lobe *lobe, struct s
         .label = LABEL_ELASTIC,
         .direction = leaving,
         .lambda = d->lambda,
-        .value = surface_elastic(s, camera ? leaving : d->arriving, camera ? d->arriving : leaving, d->lambda),
+        .value =
+            surface_elastic(s, camera ? leaving : d->arriving, camera ? d->arriving : leaving, d->lambda),
         .pdf = surface_pdf_elastic(s, d->side, d->arriving, leaving, d->lambda),
         .pdf_other = surface_pdf_elastic(s, d->other, leaving, d->arriving, d->lambda),
         .refracts = crosses && lobe->kind->disperses,
@@ -291,7 +306,8 @@ static bool draw_delta(const struct draw *d, int index, struct scatter *out)
     const struct lobe *lobe = &s->lobe[index];
     struct vec3 a;
     struct delta delta;
-    if (!to_lobe(s, lobe, d->arriving, &a) || !lobe->kind->scatter(lobe, d->side, a, d->lambda, d->u[1], &delta))
+    if (!to_lobe(s, lobe, d->arriving, &a) ||
+        !lobe->kind->scatter(lobe, d->side, a, d->lambda, d->u[1], &delta))
         return false;
     struct vec3 leaving = to_world(&lobe->frame, delta.leaving);
     float leaving_g = dot(leaving, s->ng), arriving_g = dot(d->arriving, s->ng);
@@ -308,7 +324,8 @@ static bool draw_delta(const struct draw *d, int index, struct scatter *out)
         .lobe = index_among(s->specular, index),
         .direction = leaving,
         .lambda = d->lambda,
-        .value = lobe->weight * view_weight(s, lobe, camera ? d->arriving : leaving) * delta.coefficient * delta.n_squared,
+        .value = lobe->weight * view_weight(s, lobe, camera ? d->arriving : leaving) * delta.coefficient *
+                 delta.n_squared,
         .pdf = camera ? here : here * measure,
         .pdf_other = camera ? there * measure : there,
         .refracts = delta.refracts,
@@ -318,8 +335,8 @@ static bool draw_delta(const struct draw *d, int index, struct scatter *out)
     return true;
 }
 
-bool surface_sample(const struct surface *s, enum side side, struct vec3 arriving, float lambda, const float u[4],
-                    struct scatter *out)
+bool surface_sample(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
+                    const float u[4], struct scatter *out)
 {
     struct draw d = {.surface = s,
                      .side = side,
@@ -358,4 +375,7 @@ const struct spectrum *surface_fluorescent_absorption(const struct surface *s, i
     return fluorophore_of(&s->lobe[s->fluorescent[f]])->reradiation;
 }
 
-int surface_fluorophore(const struct surface *s, int f) { return fluorophore_of(&s->lobe[s->fluorescent[f]])->index; }
+int surface_fluorophore(const struct surface *s, int f)
+{
+    return fluorophore_of(&s->lobe[s->fluorescent[f]])->index;
+}

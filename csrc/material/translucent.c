@@ -3,17 +3,20 @@
 
 static float evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera, float lambda)
 {
-    return to_light.z * to_camera.z < 0 ? spectral_value_eval(&lobe->color[0], lambda) * fabsf(to_light.z) / PI_F : 0;
+    return to_light.z * to_camera.z < 0
+               ? spectral_value_eval(&lobe->color[0], lambda) * fabsf(to_light.z) / PI_F
+               : 0;
 }
 
-static float pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving, float lambda)
+static float pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
+                 float lambda)
 {
     (void)lobe, (void)side, (void)lambda;
     return arriving.z * leaving.z < 0 ? fabsf(leaving.z) / PI_F : 0;
 }
 
-static bool sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda, const float u[3],
-                   struct vec3 *leaving)
+static bool sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
+                   const float u[3], struct vec3 *leaving)
 {
     return diffuse_sample(lobe, side, vec3(0, 0, -arriving.z), lambda, u, leaving);
 }

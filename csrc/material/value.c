@@ -1,31 +1,11 @@
 /* Value programs: numbers that vary over a surface, by texture, by side, or with the angle of view.
    Where such a number is a mix factor its view stays symbolic (a + b·φ), because it belongs to the camera's direction. */
-#include "material/lobe.h"
-
+#include "material/hit_mesh.h"
 #include "material/microfacet.h"
-
-/* Texture coordinates of a hit. */
-static struct vec3 coordinates(const struct texture *t, const struct shading_point *p)
-{
-    const struct hit *hit = p->hit;
-    switch (t->projection) {
-    case TEXTURE_GENERATED:
-        return hit->generated;
-    case TEXTURE_OBJECT:
-        return hit->object;
-    case TEXTURE_WINDOW: /* material_compile refuses these: a surface knows no camera */
-    case TEXTURE_UV:
-        break;
-    }
-    float uv[2] = {hit->uv[0], hit->uv[1]};
-    if (t->uv_layer > 0 && p->context->mesh_uv)
-        p->context->mesh_uv(hit, t->uv_layer, uv);
-    return vec3(uv[0], uv[1], 0);
-}
 
 void texture_at(const struct texture *t, const struct shading_point *p, float rgba[4])
 {
-    texture_lookup(t, coordinates(t, p), rgba);
+    texture_lookup(t, hit_coordinates(p->hit, t), rgba);
 }
 
 static float texture_value(const struct texture *t, const struct shading_point *p)
@@ -54,12 +34,16 @@ static float view_function(enum view_function function, float parameter, float c
 
 float view_factor_eval(const struct view_factor *f, struct vec3 direction, struct vec3 ng, struct vec3 ns)
 {
-    float phi = view_function(f->function, f->parameter, fminf(1, fabsf(dot(direction, ns))), dot(direction, ng) < 0);
+    float phi =
+        view_function(f->function, f->parameter, fminf(1, fabsf(dot(direction, ns))), dot(direction, ng) < 0);
     return clampf(f->a + f->b * phi, 0, 1);
 }
 
 /* A factor that holds no view function has b = 0 and reads as a constant. */
-static struct view_factor constant(float a) { return (struct view_factor){.a = a}; }
+static struct view_factor constant(float a)
+{
+    return (struct view_factor){.a = a};
+}
 
 bool value_by_view(const struct value_node *v, const struct shading_point *p, struct view_factor *out)
 {
@@ -86,7 +70,8 @@ bool value_by_view(const struct value_node *v, const struct shading_point *p, st
         *out = (struct view_factor){x.function, x.a * v->scale + v->offset, x.b * v->scale, x.parameter};
         return true;
     case VALUE_PRODUCT:
-        if (!value_by_view(v->child[0], p, &x) || !value_by_view(v->child[1], p, &y) || (x.b != 0 && y.b != 0))
+        if (!value_by_view(v->child[0], p, &x) || !value_by_view(v->child[1], p, &y) ||
+            (x.b != 0 && y.b != 0))
             return false;
         *out = y.b != 0 ? (struct view_factor){y.function, y.a * x.a, y.b * x.a, y.parameter}
                         : (struct view_factor){x.function, x.a * y.a, x.b * y.a, x.parameter};

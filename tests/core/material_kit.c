@@ -15,9 +15,15 @@ static void *allocate(size_t bytes)
 
 /* --- Random numbers -------------------------------------------------------------------------------------- */
 
-float kit_uniform(struct kit_random *r) { return random_at(r->path, r->next++); }
+float kit_uniform(struct kit_random *r)
+{
+    return random_at(r->path, r->next++);
+}
 
-float kit_between(struct kit_random *r, float low, float high) { return low + (high - low) * kit_uniform(r); }
+float kit_between(struct kit_random *r, float low, float high)
+{
+    return low + (high - low) * kit_uniform(r);
+}
 
 struct vec3 kit_direction(struct kit_random *r)
 {
@@ -55,7 +61,10 @@ static struct color_node *color_of(struct spectrum *s)
     return c;
 }
 
-struct color_node *kit_constant(float value) { return color_of(spectrum_constant(KIT_RANGE, value)); }
+struct color_node *kit_constant(float value)
+{
+    return color_of(spectrum_constant(KIT_RANGE, value));
+}
 
 struct color_node *kit_table(const float *lambda, const float *value, size_t count)
 {
@@ -89,7 +98,8 @@ struct closure *kit_add(struct closure *a, struct closure *b)
     return c;
 }
 
-struct closure *kit_dye(float reflectance, float concentration, double absorbs, double emits, double yield, bool energy)
+struct closure *kit_dye(float reflectance, float concentration, double absorbs, double emits, double yield,
+                        bool energy)
 {
     struct closure *c = kit_bsdf("fluorescent");
     c->color[0] = kit_constant(reflectance);
@@ -143,7 +153,8 @@ struct closure *kit_random_bsdf(struct kit_random *r, const struct bsdf_kind *ki
     for (int i = 0; i < CLOSURE_COLORS && s->color_names[i]; i++)
         c->color[i] = random_color(r, s->color_names[i]);
     for (int i = 0; i < CLOSURE_VALUES && s->value_names[i]; i++)
-        c->value[i] = kit_value(kit_between(r, strcmp(s->value_names[i], "roughness") == 0 ? roughness : 0, 1));
+        c->value[i] =
+            kit_value(kit_between(r, strcmp(s->value_names[i], "roughness") == 0 ? roughness : 0, 1));
     for (int i = 0; i < 4 && s->option_names[i]; i++) {
         int choices = 0;
         while (choices < 4 && s->option_choices[i][choices])
@@ -153,8 +164,9 @@ struct closure *kit_random_bsdf(struct kit_random *r, const struct bsdf_kind *ki
     for (int i = 0; i < 4 && s->number_names[i]; i++)
         c->number[i] = random_number(r, s->number_names[i], s->number_defaults[i]);
     if (s->takes_ior)
-        c->ior = kit_uniform(r) < 0.5f ? (struct ior){IOR_CONSTANT, {kit_between(r, 1.2f, 2)}}
-                                       : (struct ior){IOR_ABBE, {kit_between(r, 1.4f, 1.9f), kit_between(r, 20, 70)}};
+        c->ior = kit_uniform(r) < 0.5f
+                     ? (struct ior){IOR_CONSTANT, {kit_between(r, 1.2f, 2)}}
+                     : (struct ior){IOR_ABBE, {kit_between(r, 1.4f, 1.9f), kit_between(r, 20, 70)}};
     return c;
 }
 
@@ -164,7 +176,8 @@ const char *kit_describe(const struct closure *c, char text[256])
     int n = snprintf(text, 256, "%s", s->name);
     for (int i = 0; i < CLOSURE_VALUES && s->value_names[i]; i++)
         if (c->value[i] && n < 200)
-            n += snprintf(text + n, 256 - (size_t)n, " %s %.3g", s->value_names[i], (double)c->value[i]->constant);
+            n += snprintf(text + n, 256 - (size_t)n, " %s %.3g", s->value_names[i],
+                          (double)c->value[i]->constant);
     for (int i = 0; i < 4 && s->number_names[i] && n < 200; i++)
         n += snprintf(text + n, 256 - (size_t)n, " %s %.3g", s->number_names[i], c->number[i]);
     for (int i = 0; i < 4 && s->option_names[i] && n < 200; i++)
@@ -183,7 +196,8 @@ static void count_warning(void *user, const stokes_error *what)
 
 struct material *kit_try_compile(struct closure *closure, int *warnings, stokes_error *err)
 {
-    struct material_context context = {.range = KIT_RANGE, .uv_rule = UV_HOLD, .luminance = {0.2126f, 0.7152f, 0.0722f}};
+    struct material_context context = {
+        .range = KIT_RANGE, .uv_rule = UV_HOLD, .luminance = {0.2126f, 0.7152f, 0.0722f}};
     working_space_rec709(&context.working_space);
     return material_compile("test", closure, &context, count_warning, warnings, err);
 }

@@ -27,7 +27,8 @@ struct closure *kit_mix(struct closure *a, struct closure *b, struct value_node 
 struct closure *kit_add(struct closure *a, struct closure *b);
 
 /* A dye: reflectance r, absorption Gaussian at `absorbs`, emission Gaussian at `emits`. */
-struct closure *kit_dye(float reflectance, float concentration, double absorbs, double emits, double yield, bool energy);
+struct closure *kit_dye(float reflectance, float concentration, double absorbs, double emits, double yield,
+                        bool energy);
 
 /* A closure of this kind with every input at random, by its signature; roughness is at least `roughness`. */
 struct closure *kit_random_bsdf(struct kit_random *, const struct bsdf_kind *, float roughness);

@@ -12,7 +12,10 @@
 
 #define UP vec3(0, 0, 1)
 
-static struct kit_random seeded(uint32_t seed) { return (struct kit_random){random_path(seed, 0, 0), 0}; }
+static struct kit_random seeded(uint32_t seed)
+{
+    return (struct kit_random){random_path(seed, 0, 0), 0};
+}
 
 /* Chance of a fluorescent label: its density over the wavelength's and the direction's. */
 static double label_chance(const struct surface *s, enum side side, int f, float lambda)
@@ -79,8 +82,8 @@ static void a_total_absorber_is_clamped_if_anything_else_can_happen(void **state
 static void two_dyes_share_in_proportion(void **state)
 {
     (void)state;
-    struct material *m =
-        kit_compile(kit_mix(kit_dye(0.5f, 0.4f, 400, 520, 0.9, false), kit_dye(0.3f, 0.8f, 450, 600, 0.6, true), kit_value(0.3f)));
+    struct material *m = kit_compile(kit_mix(kit_dye(0.5f, 0.4f, 400, 520, 0.9, false),
+                                             kit_dye(0.3f, 0.8f, 450, 600, 0.6, true), kit_value(0.3f)));
     struct surface s = kit_surface(m, UP, UP);
     assert_int_equal(s.fluorescent_count, 2);
     assert_int_equal(material_fluorophore_count(m), 2);
@@ -94,7 +97,8 @@ static void two_dyes_share_in_proportion(void **state)
         }
         double total = strength[0] + strength[1], p = fmin(FLUORESCENT_CHANCE_MAX, total / (total + elastic));
         for (int f = 0; f < 2; f++)
-            assert_float_equal(label_chance(&s, SIDE_CAMERA, f, l), total > 0 ? p * strength[f] / total : 0, 1e-5);
+            assert_float_equal(label_chance(&s, SIDE_CAMERA, f, l), total > 0 ? p * strength[f] / total : 0,
+                               1e-5);
     }
     material_set_fluorophores(m, 5);
     assert_int_equal(surface_fluorophore(&s, 1), 6);
@@ -108,7 +112,8 @@ static void labels_are_drawn_with_their_chances(void **state)
     enum { DRAWS = 40000, CASES = 12 };
     struct kit_random r = seeded(21);
     for (int i = 0; i < CASES; i++) {
-        struct closure *glass = kit_bsdf("dielectric"), *dye = kit_dye(0.5f, kit_uniform(&r), 420, 520, 1, false);
+        struct closure *glass = kit_bsdf("dielectric"),
+                       *dye = kit_dye(0.5f, kit_uniform(&r), 420, 520, 1, false);
         glass->ior = (struct ior){IOR_CONSTANT, {1.5}};
         struct material *m = kit_compile(kit_mix(dye, glass, kit_value(kit_between(&r, 0.1f, 0.9f))));
         struct surface s = kit_surface(m, UP, UP);
@@ -151,8 +156,8 @@ static void energy_and_photons_balance_over_random_dyes(void **state)
     struct kit_random r = seeded(22);
     for (int i = 0; i < 1000; i++) {
         /* Yields up to 1.5 and emission below the absorption's wavelength ask for the clamp of §2. */
-        struct closure *c = kit_dye(kit_uniform(&r), kit_uniform(&r), kit_between(&r, 320, 700), kit_between(&r, 360, 760),
-                                    kit_between(&r, 0, 1.5f), i & 1);
+        struct closure *c = kit_dye(kit_uniform(&r), kit_uniform(&r), kit_between(&r, 320, 700),
+                                    kit_between(&r, 360, 760), kit_between(&r, 0, 1.5f), i & 1);
         struct material *m = kit_compile(c);
         for (int n = 0; n < 3; n++) {
             float in = kit_between(&r, 301, 829);
@@ -210,7 +215,8 @@ static void both_faces_reflect_and_nothing_passes(void **state)
     struct material *m = kit_compile(kit_dye(0.5f, 0.5f, 420, 560, 1, false));
     struct surface s = kit_surface(m, UP, UP);
     struct vec3 down = vec3(0, 0, -1);
-    assert_true(surface_fluorescent(&s, 0, down, down, 420, 560) == surface_fluorescent(&s, 0, UP, UP, 420, 560));
+    assert_true(surface_fluorescent(&s, 0, down, down, 420, 560) ==
+                surface_fluorescent(&s, 0, UP, UP, 420, 560));
     assert_true(surface_elastic(&s, down, down, 420) == surface_elastic(&s, UP, UP, 420));
     assert_true(surface_fluorescent(&s, 0, down, UP, 420, 560) == 0);
     assert_true(surface_elastic(&s, down, UP, 420) == 0);

@@ -14,7 +14,10 @@
 
 #define UP vec3(0, 0, 1)
 
-static struct kit_random seeded(uint32_t seed) { return (struct kit_random){random_path(seed, 0, 0), 0}; }
+static struct kit_random seeded(uint32_t seed)
+{
+    return (struct kit_random){random_path(seed, 0, 0), 0};
+}
 
 static struct vec3 tilted(struct kit_random *r, struct vec3 n)
 {
@@ -26,7 +29,10 @@ static bool is_principled(const struct closure *c, double model)
     return strcmp(bsdf_kind_signature(c->bsdf)->name, "principled") == 0 && c->number[0] == model;
 }
 
-static enum side other_side(enum side side) { return side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT; }
+static enum side other_side(enum side side)
+{
+    return side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
+}
 
 /* --- Densities are normalised and are what is drawn -------------------------------------------------------- */
 
@@ -45,15 +51,19 @@ static int direction_bin(const struct frame *f, struct vec3 w)
     return z * PHI_BINS + p;
 }
 
-static size_t kit_below(struct kit_random *r, size_t count) { return (size_t)(kit_uniform(r) * (float)count); }
+static size_t kit_below(struct kit_random *r, size_t count)
+{
+    return (size_t)(kit_uniform(r) * (float)count);
+}
 
 /* ∫ pdf |cos_g| dω over a bin of elastic directions, by Gauss–Legendre in z and φ: quartered twice, and on while it varies. */
 static double bin_integral(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
                            const struct frame *f, double z0, double z1, double p0, double p1, int depth)
 {
-    static const double node[] = {0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332};
-    static const double weight[] = {0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683,
-                                    0.118463442528095};
+    static const double node[] = {0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,
+                                  0.953089922969332};
+    static const double weight[] = {0.118463442528095, 0.239314335249683, 0.284444444444444,
+                                    0.239314335249683, 0.118463442528095};
     double sum = 0, most = 0, least = INFINITY;
     for (int i = 0; i < 5; i++)
         for (int j = 0; j < 5; j++) {
@@ -79,16 +89,17 @@ static void expect_elastic(const struct surface *s, enum side side, struct vec3 
 {
     for (int z = 0; z < Z_BINS; z++)
         for (int p = 0; p < PHI_BINS; p++)
-            expected[z * PHI_BINS + p] = bin_integral(s, side, arriving, lambda, f, 2.0 * z / Z_BINS - 1,
-                                                      2.0 * (z + 1) / Z_BINS - 1, 2 * M_PI * ((double)p / PHI_BINS - 0.5),
-                                                      2 * M_PI * ((double)(p + 1) / PHI_BINS - 0.5), 5);
+            expected[z * PHI_BINS + p] = bin_integral(
+                s, side, arriving, lambda, f, 2.0 * z / Z_BINS - 1, 2.0 * (z + 1) / Z_BINS - 1,
+                2 * M_PI * ((double)p / PHI_BINS - 0.5), 2 * M_PI * ((double)(p + 1) / PHI_BINS - 0.5), 5);
 }
 
 /* Fluorescent draws: z of the direction on either side in four bins, wavelength in twelve. */
 static int fluorescent_bin(const struct frame *f, const struct scatter *drawn)
 {
     float z = dot(f->n, drawn->direction);
-    int i = (int)fminf(3, (z + 1) * 2), l = (int)fminf(LAMBDA_BINS - 1, (drawn->lambda - 300) / 530 * LAMBDA_BINS);
+    int i = (int)fminf(3, (z + 1) * 2),
+        l = (int)fminf(LAMBDA_BINS - 1, (drawn->lambda - 300) / 530 * LAMBDA_BINS);
     return E_BINS + i * LAMBDA_BINS + l;
 }
 
@@ -100,7 +111,8 @@ static void expect_fluorescent(const struct surface *s, enum side side, struct v
         double direction[4] = {0}, wavelength[LAMBDA_BINS] = {0};
         for (int i = 0; i < 4 * ZS; i++)
             for (int j = 0; j < PHIS; j++) {
-                double z = 2 * (i + 0.5) / (4 * ZS) - 1, phi = 2 * M_PI * (j + 0.5) / PHIS, r = sqrt(1 - z * z);
+                double z = 2 * (i + 0.5) / (4 * ZS) - 1, phi = 2 * M_PI * (j + 0.5) / PHIS,
+                       r = sqrt(1 - z * z);
                 struct vec3 w = to_world(f, vec3((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z));
                 struct vec3 a = to_local(&s->lobe[s->fluorescent[k]].frame, arriving);
                 struct vec3 b = to_local(&s->lobe[s->fluorescent[k]].frame, w);
@@ -109,12 +121,13 @@ static void expect_fluorescent(const struct surface *s, enum side side, struct v
             }
         /* The wavelength's density by the public function, along a direction that is possible. */
         struct vec3 leaving = arriving;
-        double along_it = fabs(dot(to_local(&s->lobe[s->fluorescent[k]].frame, leaving), vec3(0, 0, 1))) / M_PI;
+        double along_it =
+            fabs(dot(to_local(&s->lobe[s->fluorescent[k]].frame, leaving), vec3(0, 0, 1))) / M_PI;
         along_it /= fabs(dot(leaving, s->ng));
         for (int l = 0; l < LAMBDA_BINS * LAMBDAS; l++) {
             float at = 300 + 530 * ((float)l + 0.5f) / (LAMBDA_BINS * LAMBDAS);
-            wavelength[l / LAMBDAS] += surface_pdf_fluorescent(s, side, k, arriving, leaving, lambda, at) / along_it * 530 /
-                                       (LAMBDA_BINS * LAMBDAS);
+            wavelength[l / LAMBDAS] += surface_pdf_fluorescent(s, side, k, arriving, leaving, lambda, at) /
+                                       along_it * 530 / (LAMBDA_BINS * LAMBDAS);
         }
         for (int i = 0; i < 4; i++)
             for (int l = 0; l < LAMBDA_BINS; l++)
@@ -123,8 +136,8 @@ static void expect_fluorescent(const struct surface *s, enum side side, struct v
 }
 
 /* Draws, and compares with the densities. What is lost is a bin, too: Σ∫pdf + lost = 1. */
-static struct chi2 draws_against_densities(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
-                                           struct kit_random *r, int draws)
+static struct chi2 draws_against_densities(const struct surface *s, enum side side, struct vec3 arriving,
+                                           float lambda, struct kit_random *r, int draws)
 {
     double observed[BINS] = {0}, expected[BINS] = {0}, total = 0;
     struct frame f = frame_about(s->ng);
@@ -172,18 +185,19 @@ static void draws_follow_densities_that_sum_to_one(void **state)
             struct closure *closure = kit_random_bsdf(&r, bsdf_kind_at((size_t)k), 0.4f);
             kit_describe(closure, text);
             if (i & 4) /* with another kind: labels and lobes compete */
-                closure = kit_mix(closure, kit_random_bsdf(&r, bsdf_kind_at(kit_below(&r, (size_t)kinds)), 0.4f),
-                                  kit_value(kit_between(&r, 0.2f, 0.8f)));
+                closure =
+                    kit_mix(closure, kit_random_bsdf(&r, bsdf_kind_at(kit_below(&r, (size_t)kinds)), 0.4f),
+                            kit_value(kit_between(&r, 0.2f, 0.8f)));
             struct material *m = kit_compile(closure);
             struct vec3 ng = kit_direction(&r);
             struct surface s = kit_surface(m, ng, i & 1 ? tilted(&r, ng) : ng);
             struct vec3 arriving = kit_direction_about(&r, s.ns, i & 2);
             for (int side = 0; side < 2 && s.specular_count * (1 - side) == 0; side++) {
-                struct chi2 result =
-                    draws_against_densities(&s, (enum side)side, arriving, kit_between(&r, 320, 800), &r, DRAWS);
+                struct chi2 result = draws_against_densities(&s, (enum side)side, arriving,
+                                                             kit_between(&r, 320, 800), &r, DRAWS);
                 if (result.freedom > 0 && result.p < threshold) {
-                    printf("%s, side %d, case %d: p = %g (χ² %g of %zu)\n", text, side, i, result.p, result.statistic,
-                           result.freedom);
+                    printf("%s, side %d, case %d: p = %g (χ² %g of %zu)\n", text, side, i, result.p,
+                           result.statistic, result.freedom);
                     failures++;
                 }
             }
@@ -209,9 +223,10 @@ static void check_draw(const struct surface *s, enum side side, struct vec3 arri
     } else if (d->label == LABEL_FLUORESCENT) {
         float in = camera ? d->lambda : lambda, out = camera ? lambda : d->lambda;
         assert_true(d->value == surface_fluorescent(s, d->lobe, light, eye, in, out));
-        assert_true(d->pdf == surface_pdf_fluorescent(s, side, d->lobe, arriving, d->direction, lambda, d->lambda));
-        assert_true(d->pdf_other ==
-                    surface_pdf_fluorescent(s, other_side(side), d->lobe, d->direction, arriving, d->lambda, lambda));
+        assert_true(d->pdf ==
+                    surface_pdf_fluorescent(s, side, d->lobe, arriving, d->direction, lambda, d->lambda));
+        assert_true(d->pdf_other == surface_pdf_fluorescent(s, other_side(side), d->lobe, d->direction,
+                                                            arriving, d->lambda, lambda));
         assert_true(d->lambda >= 300 && d->lambda <= 830);
     }
 }
@@ -256,7 +271,8 @@ static void a_specular_draw_can_be_made_from_the_other_side(void **state)
         float lambda = kit_between(&r, 301, 829);
         struct scatter there, back;
         const float u[4] = {kit_uniform(&r), kit_uniform(&r), 0, 0};
-        if (surface_sample(&s, side, arriving, lambda, u, &there) && fabsf(dot(there.direction, s.ns)) > 0.02f) {
+        if (surface_sample(&s, side, arriving, lambda, u, &there) &&
+            fabsf(dot(there.direction, s.ns)) > 0.02f) {
             /* The branch is drawn by u[1] against the same Fresnel chance. */
             assert_true(surface_sample(&s, other_side(side), there.direction, lambda, u, &back));
             if (back.refracts == there.refracts) {
@@ -299,11 +315,13 @@ static void values_are_reciprocal_up_to_n_squared(void **state)
             struct vec3 ng = kit_direction(&r);
             struct surface s = kit_surface(m, ng, tilted(&r, ng));
             for (int n = 0; n < 20 && !one_way; n++) {
-                struct vec3 a = kit_direction_about(&r, s.ns, n & 1), b = kit_direction_about(&r, s.ns, n & 2);
+                struct vec3 a = kit_direction_about(&r, s.ns, n & 1),
+                            b = kit_direction_about(&r, s.ns, n & 2);
                 float lambda = kit_between(&r, 301, 829);
                 double ab = surface_elastic(&s, a, b, lambda) * fabs(dot(a, s.ng) / dot(a, s.ns));
                 double ba = surface_elastic(&s, b, a, lambda) * fabs(dot(b, s.ng) / dot(b, s.ns));
-                double na = index_on_side(c, dot(a, s.ng) < 0, lambda), nb = index_on_side(c, dot(b, s.ng) < 0, lambda);
+                double na = index_on_side(c, dot(a, s.ng) < 0, lambda),
+                       nb = index_on_side(c, dot(b, s.ng) < 0, lambda);
                 ab /= nb * nb;
                 ba /= na * na;
                 if (fabs(ab - ba) > 2e-3 * fmax(ab, ba) + 1e-6)
@@ -400,7 +418,8 @@ static void mollified_densities_tend_to_the_elastic_one_and_average_to_it(void *
                 if (s.lobe[n].kind->nature == LOBE_FINITE && !s.lobe[n].kind->albedo_integral)
                     tolerance = 0.03;
             for (int n = 0; n < 2000; n++)
-                mean += surface_pdf_mollified(&s, SIDE_CAMERA, a, b, lambda, lambda + d * (2 * (n + 0.5f) / 2000 - 1), d);
+                mean += surface_pdf_mollified(&s, SIDE_CAMERA, a, b, lambda,
+                                              lambda + d * (2 * (n + 0.5f) / 2000 - 1), d);
             if (fabs(mean / 2000 - camera) > tolerance * camera)
                 fail_msg("%s: mean %g, elastic %g", text, mean / 2000, (double)camera);
             material_destroy(m);
