@@ -7,6 +7,8 @@
 
 #define MIDDLE_NM 595.0
 #define HALF_NM 235.0
+#define START_STEEPNESS 150.0 /* of a search that begins at an optimal colour */
+#define BAND_NODES 8
 
 /* Where the search stands: residual and Jacobian of L*a*b* by the coefficients. */
 struct linearized {
@@ -200,34 +202,72 @@ static struct fit start_grey(const struct fitter *f, const double rgb[3])
 
 /* Out of reach of smooth curves: a strong ridge first finds the valley, weaker ones follow it towards the optimal
    colours, whose spectra are steps, while the curve is still smooth. */
-static struct fit descend(const struct fitter *f, const double rgb[3], struct fit fit)
+static struct fit descend(const struct fitter *f, const double rgb[3], struct fit fit, double first_ridge)
 {
     struct fit smooth = fit;
-    for (double ridge = 1e-2; ridge > 5e-8; ridge *= 0.3) {
+    for (double ridge = first_ridge; ridge > 5e-8; ridge *= 0.3) {
         fit = fitter_improve(f, rgb, fit, ridge, 50);
         if (fit_reaches(&fit))
             return fit;
-        if (steepness(fit.p) >= FIT_SMOOTH && ridge < 1e-2)
+        if (steepness(fit.p) >= FIT_SMOOTH && ridge < first_ridge)
             break;
         smooth = fit;
     }
     return smooth;
 }
 
-/* There may be a valley for bands and one for gaps; the lower one counts. */
-static struct fit nearest(const struct fitter *f, const double rgb[3])
+/* A curve that is positive between two nodes, or everywhere else: an optimal colour's band or gap with soft edges. A
+   band that reaches the end of the observer's range has no edge there. */
+static struct fit soft_band(const struct observer *o, int from, int to, bool gap)
 {
-    static const double bend[] = {0, -30, 30};
-    struct fit best = {.error = INFINITY};
-    for (int i = 0; i < 3 && !fit_reaches(&best); i++) {
-        struct fit start = start_grey(f, rgb);
-        start.p[0] = bend[i];
-        start.p[2] -= bend[i] / 4; /* as much of it above zero as below, more or less */
-        struct fit fit = descend(f, rgb, start);
-        if (fit.error < best.error)
-            best = fit;
+    double scale = gap ? -START_STEEPNESS : START_STEEPNESS;
+    double t0 = from == 0 ? -3 : 2.0 * from / (o->count - 1) - 1,
+           t1 = to == o->count - 1 ? 3 : 2.0 * to / (o->count - 1) - 1;
+    return (struct fit){.p = {-scale, scale * (t0 + t1), -scale * t0 * t1}};
+}
+
+static double squared_distance(const struct fitter *f, const double xyz[3], const double lab[3])
+{
+    double there[3], slope[3], sum = 0;
+    lab_of(f, xyz, there, slope);
+    for (int c = 0; c < 3; c++)
+        sum += (there[c] - lab[c]) * (there[c] - lab[c]);
+    return sum;
+}
+
+/* The nearest of the optimal colours (Schrödinger 1920: reflectances of 0 and 1 with two steps at most), every
+   BAND_NODES nodes. */
+static struct fit nearest_band(const struct fitter *f, const double rgb[3])
+{
+    const struct observer *o = &f->observer;
+    double target[3], least = INFINITY;
+    struct fit best = start_grey(f, rgb);
+    target_lab(f, rgb, target);
+    for (int from = 0; from < o->count; from += BAND_NODES) {
+        double band[3] = {0};
+        for (int to = from; to < o->count; to++) {
+            for (int c = 0; c < 3; c++)
+                band[c] += o->weight[to][c];
+            for (int gap = 0; gap < 2 && (to - from) % BAND_NODES == 0; gap++) {
+                double left[3] = {o->white[0] - band[0], o->white[1] - band[1], o->white[2] - band[2]};
+                double square = squared_distance(f, gap ? left : band, target);
+                if (square < least)
+                    best = soft_band(o, from, to, gap);
+                least = fmin(least, square);
+            }
+        }
     }
     return best;
+}
+
+/* From grey a search may end in the wrong valley; from the nearest optimal colour it starts in the right one. */
+static struct fit nearest(const struct fitter *f, const double rgb[3])
+{
+    struct fit from_grey = descend(f, rgb, start_grey(f, rgb), 1e-2);
+    if (fit_reaches(&from_grey))
+        return from_grey;
+    struct fit from_band = descend(f, rgb, nearest_band(f, rgb), 1e-4);
+    return from_band.error < from_grey.error ? from_band : from_grey;
 }
 
 struct fit fitter_solve(const struct fitter *f, const double rgb[3])
