@@ -1,0 +1,462 @@
+/* Building and editing: what is refused and says why, what hits carry of their mesh, and that edits show after the next commit. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scenes.h"
+#include "statistics.h"
+
+#include <cmocka.h>
+
+/* A quad of two triangles over [0,2] × [0,1] in the plane z = 0, with everything that a mesh may carry. */
+static const float quad_positions[12] = {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0};
+static const uint32_t quad_triangles[6] = {0, 1, 2, 0, 2, 3};
+static const uint32_t quad_material[2] = {1, 7};
+static const float quad_uv[8] = {0, 0, 1, 0, 1, 1, 0, 1}, mirrored_uv[8] = {1, 0, 0, 0, 0, 1, 1, 1};
+static const float quad_normals[12] = {-1, 0, 1, 1, 0, 1, 1, 0, 1, -1, 0, 1};
+static const struct mesh_uv quad_layers[2] = {{"first", quad_uv}, {"second", mirrored_uv}};
+
+static struct mesh_input quad(void)
+{
+    return (struct mesh_input){.name = "quad",
+                               .positions = quad_positions,
+                               .vertex_count = 4,
+                               .triangles = quad_triangles,
+                               .triangle_count = 2,
+                               .corners = quad_triangles,
+                               .corner_count = 4};
+}
+
+static bool add_mesh(struct scene *scene, struct mesh_input mesh)
+{
+    return scene_add_mesh(scene, &mesh, NULL);
+}
+
+static bool look_down(const struct scene *scene, float x, float y, struct hit *hit,
+                      const struct material **material)
+{
+    struct ray ray = {vec3(x, y, 5), vec3(0, 0, -1), 0, INFINITY, RAY_CAMERA};
+    return scene_intersect(scene, &ray, hit, material);
+}
+
+static const char *seen(const struct scene *scene, float x, float y)
+{
+    struct hit hit;
+    const struct material *material;
+    return look_down(scene, x, y, &hit, &material) ? material_name(material) : "nothing";
+}
+
+static bool commit(struct scene *scene, stokes_error *err)
+{
+    struct scene_setup setup = {.range = SCENES_RANGE, .uv_rule = UV_HOLD, .threads = 1};
+    working_space_rec709(&setup.working_space);
+    return scene_commit(scene, &setup, err);
+}
+
+/* --- Checks ---------------------------------------------------------------------------------------------------- */
+
+static void bad_meshes_are_refused_and_change_nothing(void **state)
+{
+    (void)state;
+    float nan[12], far[12];
+    memcpy(nan, quad_positions, sizeof nan);
+    memcpy(far, quad_positions, sizeof far);
+    nan[4] = NAN;
+    far[7] = 1e30f;
+    uint32_t outside[6] = {0, 1, 2, 0, 2, 4};
+    float normals[12] = {0};
+    normals[11] = INFINITY;
+    struct mesh_input bad[6] = {quad(), quad(), quad(), quad(), quad(), quad()};
+    static const char *const property[6] = {"positions", "positions",      "triangles",
+                                            "corners",   "corner_normals", "uv layer"};
+    struct mesh_uv layer = {"uv layer", nan};
+    bad[0].positions = nan;
+    bad[1].positions = far;
+    bad[2].triangles = outside;
+    bad[3].corners = outside;
+    bad[4].corner_normals = normals;
+    bad[5].uv = &layer;
+    bad[5].uv_count = 1;
+    struct scene *scene = scene_create();
+    assert_true(add_mesh(scene, quad()));
+    scenes_instance(scene, "quad", "quad", "", &scenes_identity, 1);
+    for (int i = 0; i < 6; i++) {
+        stokes_error err = {0};
+        assert_false(scene_add_mesh(scene, &bad[i], &err));
+        assert_string_equal(err.object, "quad");
+        assert_string_equal(err.property, property[i]);
+    }
+    scenes_commit(scene);
+    assert_string_equal(seen(scene, 1.5f, 0.5f), "default material");
+    scene_destroy(scene);
+}
+
+static void degenerate_triangles_and_empty_meshes_are_harmless(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    struct vec3 points[12] = {vec3(0, 0, 0), vec3(0, 0, 0), vec3(0, 0, 0), vec3(0, 0, 0),
+                              vec3(1, 0, 0), vec3(2, 0, 0), vec3(0, 0, 1), vec3(1, 0, 1),
+                              vec3(0, 1, 1), vec3(3, 3, 0), vec3(3, 3, 0), vec3(5, 5, 0)};
+    scenes_mesh(scene, "points", points, 4);
+    scenes_mesh(scene, "empty", points, 0);
+    scenes_material(scene, "light", scenes_emitter(1, true));
+    scenes_instance(scene, "points", "points", "light", &scenes_identity, 1);
+    scenes_instance(scene, "empty", "empty", "light", &scenes_identity, 1);
+    scenes_instance(scene, "none", "points", "light", &scenes_identity, 0);
+    scenes_commit(scene);
+    for (uint64_t i = 0; i < 1000; i++) {
+        struct light_point point;
+        float u[3] = {(float)independent(1, 3 * i), (float)independent(1, 3 * i + 1),
+                      (float)independent(1, 3 * i + 2)},
+              pdf;
+        assert_true(scene_sample_light(scene, u, &point, &pdf));
+        assert_int_equal(point.hit.primitive, 2);
+        assert_float_equal(pdf, 2, 1e-5);
+    }
+    assert_string_equal(seen(scene, 0.2f, 0.2f), "light");
+    scene_destroy(scene);
+}
+
+static void an_object_scaled_flat_is_still_seen(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    struct transform flat = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 2}}, both[2] = {flat, flat};
+    both[1].m[3] = 5;
+    assert_true(add_mesh(scene, quad()));
+    scenes_instance(scene, "quad", "quad", "", both, 2);
+    scenes_commit(scene);
+    struct hit hit;
+    const struct material *material;
+    assert_true(look_down(scene, 6, 0.5f, &hit, &material));
+    assert_float_equal(hit.position.z, 2, 1e-6);
+    assert_float_equal(hit.ng.z, 1, 1e-6);
+    scene_destroy(scene);
+}
+
+static void dangling_names_fail_the_commit_and_say_so(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    stokes_error err = {0};
+    scenes_instance(scene, "thing", "nowhere", "", &scenes_identity, 1);
+    assert_false(commit(scene, &err));
+    assert_string_equal(err.object, "thing");
+    assert_string_equal(err.property, "mesh");
+    assert_true(add_mesh(scene, quad()));
+    scenes_instance(scene, "thing", "quad", "unheard of", &scenes_identity, 1);
+    assert_false(commit(scene, &err));
+    assert_string_equal(err.property, "materials");
+    assert_non_null(strstr(err.text, "unheard of"));
+    scenes_material(scene, "unheard of", scenes_grey());
+    assert_true(commit(scene, &err));
+    assert_string_equal(seen(scene, 1, 0.2f), "unheard of");
+    scene_destroy(scene);
+}
+
+static void bad_lights_name_what_is_wrong(void **state)
+{
+    (void)state;
+    struct light_input bad[5] = {{.shape = LIGHT_RECTANGLE, .size = {1, 0}},
+                                 {.shape = LIGHT_SPHERE, .radius = -1},
+                                 {.shape = LIGHT_SPOT, .angle = 0},
+                                 {.shape = LIGHT_SPOT, .angle = 1, .blend = 2},
+                                 {.shape = LIGHT_SUN, .angle = 4}};
+    static const char *const property[5] = {"size", "radius", "angle", "blend", "angle"};
+    struct scene *scene = scene_create();
+    for (int i = 0; i < 5; i++) {
+        stokes_error err = {0};
+        bad[i].name = "lamp";
+        bad[i].transform = scenes_identity;
+        bad[i].emission = scenes_emission(1);
+        assert_false(scene_add_light(scene, &bad[i], &err));
+        assert_string_equal(err.object, "lamp");
+        assert_string_equal(err.property, property[i]);
+    }
+    scenes_commit(scene);
+    assert_int_equal(scene_light_count(scene), 0);
+    assert_null(scene_lamp_spectrum(scene));
+    scene_destroy(scene);
+}
+
+/* --- What hits carry -------------------------------------------------------------------------------------------- */
+
+static struct scene *full_quad(const struct transform *transform)
+{
+    static const char *const materials[2] = {"left", "right"};
+    struct scene *scene = scene_create();
+    struct mesh_input mesh = quad();
+    mesh.uv = quad_layers;
+    mesh.uv_count = 2;
+    mesh.corner_normals = quad_normals;
+    mesh.material_index = quad_material;
+    assert_true(add_mesh(scene, mesh));
+    scenes_material(scene, "left", scenes_grey());
+    scenes_material(scene, "right", scenes_grey());
+    struct instances_input in = {.name = "quad",
+                                 .mesh = "quad",
+                                 .materials = materials,
+                                 .material_count = 2,
+                                 .transforms = transform->m,
+                                 .transform_count = 1,
+                                 .visible = scenes_visible};
+    assert_true(scene_add_instances(scene, &in, NULL));
+    scenes_commit(scene);
+    return scene;
+}
+
+static void hits_carry_coordinates_normals_and_tangent(void **state)
+{
+    (void)state;
+    struct scene *scene = full_quad(&scenes_identity);
+    struct hit hit;
+    const struct material *material;
+    for (uint64_t i = 0; i < 500; i++) {
+        float x = 2 * (float)independent(2, 2 * i), y = (float)independent(2, 2 * i + 1);
+        if (!look_down(scene, x, y, &hit, &material))
+            continue;
+        struct vec3 smooth = normalize(vec3(x - 1, 0, 1));
+        assert_true(length(sub(hit.position, vec3(x, y, 0))) < 1e-6f);
+        assert_true(length(sub(hit.object, vec3(x, y, 0))) < 1e-6f);
+        assert_true(length(sub(hit.generated, vec3(x / 2, y, 0.5f))) < 1e-6f);
+        assert_true(length(sub(hit.ns, smooth)) < 1e-6f);
+        assert_true(length(sub(hit.ng, vec3(0, 0, 1))) < 1e-6f);
+        assert_true(length(sub(hit.tangent, vec3(1, 0, 0))) < 1e-6f);
+        assert_false(hit.mirrored_uv);
+        assert_float_equal(hit.uv[0], x / 2, 1e-6);
+        assert_float_equal(hit.uv[1], y, 1e-6);
+    }
+    scene_destroy(scene);
+}
+
+/* (ns × tangent)·∂p/∂v has the sign that mirrored_uv says, whichever of transform and UVs is mirrored. */
+static void mirrored_uvs_are_told_under_mirroring_transforms(void **state)
+{
+    (void)state;
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        struct transform transform = scenes_identity;
+        transform.m[0] = mirrored ? -1 : 1; /* ∂p/∂u turns round, ∂p/∂v and ns stay */
+        struct scene *scene = full_quad(&transform);
+        struct hit hit;
+        const struct material *material;
+        assert_true(look_down(scene, mirrored ? -0.5f : 0.5f, 0.5f, &hit, &material));
+        assert_float_equal(hit.tangent.x, mirrored ? -1 : 1, 1e-6);
+        assert_float_equal(hit.ng.z, 1, 1e-6);
+        assert_int_equal(hit.mirrored_uv, mirrored);
+        scene_destroy(scene);
+    }
+}
+
+/* A material index beyond the slots takes the last slot, as in Blender. */
+static void faces_have_their_own_materials(void **state)
+{
+    (void)state;
+    struct scene *scene = full_quad(&scenes_identity);
+    assert_string_equal(seen(scene, 1.5f, 0.2f), "right");
+    assert_string_equal(seen(scene, 0.2f, 0.5f), "right");
+    struct mesh_input mesh = quad();
+    static const uint32_t swapped[2] = {0, 1};
+    mesh.material_index = swapped;
+    assert_true(add_mesh(scene, mesh));
+    scenes_commit(scene);
+    assert_string_equal(seen(scene, 1.5f, 0.2f), "left");
+    assert_string_equal(seen(scene, 0.2f, 0.5f), "right");
+    scene_destroy(scene);
+}
+
+static struct closure *textured_emitter(const struct image *image, const char *layer)
+{
+    struct closure *closure = scenes_emitter(1, true);
+    emission_node_destroy(closure->emission);
+    closure->emission = scenes_texture_emission(image, 1);
+    closure->emission->two_sided = true;
+    strcpy(closure->emission->texture->uv_name, layer);
+    return closure;
+}
+
+/* Black on the left half, white on the right: the layer that a texture names decides which end of the quad shines. */
+static void textures_look_up_the_layer_that_they_name(void **state)
+{
+    (void)state;
+    static const float pixels[2] = {0, 1};
+    static const char *const layers[4] = {"", "first", "second", "missing"};
+    static const bool lit_left[4] = {false, false, true, false}, lit_right[4] = {true, true, false, false};
+    for (int i = 0; i < 4; i++) {
+        struct scene *scene = scene_create();
+        struct image *image = image_create("halves", 2, 1, 1, false, pixels, sizeof pixels, NULL);
+        assert_true(scene_add_image(scene, image, NULL));
+        struct mesh_input mesh = quad();
+        mesh.uv = quad_layers;
+        mesh.uv_count = 2;
+        assert_true(add_mesh(scene, mesh));
+        struct closure *closure = textured_emitter(image, layers[i]);
+        closure->emission->texture->interpolation = TEXTURE_CLOSEST;
+        scenes_material(scene, "light", closure);
+        scenes_instance(scene, "quad", "quad", "light", &scenes_identity, 1);
+        scenes_commit(scene);
+        struct hit hit;
+        const struct material *material;
+        assert_true(look_down(scene, 0.5f, 0.4f, &hit, &material));
+        assert_int_equal(material_emission(material, &hit, vec3(0, 0, 1), 550) > 0, lit_left[i]);
+        assert_true(look_down(scene, 1.5f, 0.4f, &hit, &material));
+        assert_int_equal(material_emission(material, &hit, vec3(0, 0, 1), 550) > 0, lit_right[i]);
+        scene_destroy(scene);
+    }
+}
+
+/* --- Edits ------------------------------------------------------------------------------------------------------- */
+
+static void edits_show_after_the_next_commit(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    struct transform moved = scenes_identity;
+    moved.m[3] = 10;
+    assert_true(add_mesh(scene, quad()));
+    scenes_material(scene, "one", scenes_grey());
+    scenes_material(scene, "two", scenes_grey());
+    scenes_instance(scene, "thing", "quad", "one", &scenes_identity, 1);
+    scenes_commit(scene);
+    assert_string_equal(seen(scene, 1, 0.2f), "one");
+    scenes_instance(scene, "thing", "quad", "two", &moved, 1);
+    scenes_commit(scene);
+    assert_string_equal(seen(scene, 1, 0.2f), "nothing");
+    assert_string_equal(seen(scene, 11, 0.2f), "two");
+    scenes_material(scene, "two", scenes_emitter(1, true));
+    scenes_commit(scene);
+    assert_int_equal(scene_light_count(scene), 1);
+    assert_string_equal(scene_light_name(scene, 0), "thing");
+    assert_true(scene_remove(scene, "instances", "thing", NULL));
+    scenes_commit(scene);
+    assert_string_equal(seen(scene, 11, 0.2f), "nothing");
+    assert_int_equal(scene_light_count(scene), 0);
+    assert_false(scene_remove(scene, "instances", "thing", NULL));
+    assert_false(scene_remove(scene, "planets", "thing", NULL));
+    scene_destroy(scene);
+}
+
+static void an_image_sent_again_shows_in_the_materials_that_use_it(void **state)
+{
+    (void)state;
+    static const float black[1] = {0}, white[1] = {1};
+    struct scene *scene = scene_create();
+    struct image *image = image_create("picture", 1, 1, 1, false, white, sizeof white, NULL);
+    struct hit hit;
+    const struct material *material;
+    assert_true(scene_add_image(scene, image, NULL) && add_mesh(scene, quad()));
+    scenes_material(scene, "light", textured_emitter(scene_find_image(scene, "picture"), ""));
+    scenes_instance(scene, "quad", "quad", "light", &scenes_identity, 1);
+    for (int pass = 0; pass < 3; pass++) {
+        if (pass == 1)
+            assert_true(scene_add_image(
+                scene, image_create("picture", 1, 1, 1, false, black, sizeof black, NULL), NULL));
+        if (pass == 2) {
+            assert_true(scene_remove(scene, "image", "picture", NULL));
+            assert_null(scene_find_image(scene, "picture"));
+            scenes_commit(scene);
+            assert_true(scene_add_image(
+                scene, image_create("picture", 1, 1, 1, false, white, sizeof white, NULL), NULL));
+        }
+        scenes_commit(scene);
+        assert_true(look_down(scene, 1, 0.2f, &hit, &material));
+        assert_int_equal(material_emission(material, &hit, vec3(0, 0, 1), 550) > 0, pass != 1);
+    }
+    scene_destroy(scene);
+}
+
+/* What a scene answers depends on what is in it, not on the order in which it came. */
+static void order_of_messages_changes_nothing(void **state)
+{
+    (void)state;
+    struct scene *scenes[2];
+    for (int order = 0; order < 2; order++) {
+        scenes[order] = scene_create();
+        for (int i = 0; i < 40; i++) {
+            char name[16];
+            struct transform transform = scenes_identity;
+            int k = order ? 39 - i : i;
+            transform.m[11] = (float)k;
+            snprintf(name, sizeof name, "lamp %d", k);
+            scenes_light(scenes[order], (struct light_input){.name = name,
+                                                             .shape = LIGHT_SPHERE,
+                                                             .radius = 0.3f,
+                                                             .transform = transform,
+                                                             .emission = scenes_emission((float)k + 1)});
+        }
+        for (int k = 0; order && k < 40; k += 3) { /* send some again */
+            char name[16];
+            struct transform transform = scenes_identity;
+            transform.m[11] = (float)k;
+            snprintf(name, sizeof name, "lamp %d", k);
+            assert_true(scene_remove(scenes[1], "light", name, NULL));
+            scenes_light(scenes[1], (struct light_input){.name = name,
+                                                         .shape = LIGHT_SPHERE,
+                                                         .radius = 0.3f,
+                                                         .transform = transform,
+                                                         .emission = scenes_emission((float)k + 1)});
+        }
+        scenes_commit(scenes[order]);
+    }
+    for (uint64_t i = 0; i < 500; i++) {
+        struct light_point a, b;
+        float u[3] = {(float)independent(9, 3 * i), (float)independent(9, 3 * i + 1),
+                      (float)independent(9, 3 * i + 2)},
+              p, q;
+        assert_true(scene_sample_light(scenes[0], u, &a, &p) && scene_sample_light(scenes[1], u, &b, &q));
+        assert_true(p == q && a.light == b.light && a.position.z == b.position.z);
+    }
+    /* 40 lamps one above the other, all met by a ray, nearest first */
+    struct light_point points[64];
+    struct ray ray = {vec3(0, 0, 50), vec3(0, 0, -1), 0, 20.2f, RAY_CAMERA};
+    assert_int_equal(scene_lamps_along(scenes[0], &ray, points, 64), 10);
+    for (int i = 0; i < 10; i++)
+        assert_float_equal(points[i].position.z, 39 - i + 0.3f, 1e-4);
+    assert_int_equal(scene_lamps_along(scenes[0], &ray, points, 3), 3);
+    assert_float_equal(points[2].position.z, 37.3f, 1e-4);
+    scene_destroy(scenes[0]);
+    scene_destroy(scenes[1]);
+}
+
+static void lights_are_chosen_by_power(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    for (int k = 0; k < 4; k++) {
+        char name[16];
+        snprintf(name, sizeof name, "%d", k);
+        scenes_light(scene, (struct light_input){.name = name,
+                                                 .shape = LIGHT_POINT,
+                                                 .transform = scenes_identity,
+                                                 .emission = scenes_emission((float)(1 << k))});
+    }
+    scenes_commit(scene);
+    for (int k = 0; k < 4; k++)
+        assert_float_equal(scene_pdf_light(scene, &(struct light_point){.light = k}), (1 << k) / 15.0, 1e-6);
+    const struct spectrum *lamps = scene_lamp_spectrum(scene);
+    assert_float_equal(spectrum_pdf(lamps, 500) * 530, 1, 1e-5);
+    scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bad_meshes_are_refused_and_change_nothing),
+        cmocka_unit_test(degenerate_triangles_and_empty_meshes_are_harmless),
+        cmocka_unit_test(an_object_scaled_flat_is_still_seen),
+        cmocka_unit_test(dangling_names_fail_the_commit_and_say_so),
+        cmocka_unit_test(bad_lights_name_what_is_wrong),
+        cmocka_unit_test(hits_carry_coordinates_normals_and_tangent),
+        cmocka_unit_test(mirrored_uvs_are_told_under_mirroring_transforms),
+        cmocka_unit_test(faces_have_their_own_materials),
+        cmocka_unit_test(textures_look_up_the_layer_that_they_name),
+        cmocka_unit_test(edits_show_after_the_next_commit),
+        cmocka_unit_test(an_image_sent_again_shows_in_the_materials_that_use_it),
+        cmocka_unit_test(order_of_messages_changes_nothing),
+        cmocka_unit_test(lights_are_chosen_by_power),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
