@@ -66,6 +66,8 @@ def seeds():
     picture = start + frames.image()
     yield "scene", frames.scene()
     yield "mesh", start + full_mesh()
+    shared = {"name": "shared", "positions": {"shared": 0, "bytes": 96}, "triangles": {"shared": 96, "bytes": 0}}
+    yield "shared", start + frames.frame("mesh", shared)  # the target's shared memory is its input
     yield "settings", start + frames.settings(
         integrator="mbdpt", seed=1, d0=50, shrink=0.2, kernel="constant", mollify_side="camera", max_camera=5, max_light=5,
         lambda_min=320, lambda_max=800, uv_rule="zero", filter_width=2, film_transparent=True, techniques=[[2, 2], [1, 3]],
