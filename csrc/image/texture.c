@@ -1,9 +1,11 @@
-/* Texture look-up with Cycles' conventions: texel centres at half integers, four kinds of extension beyond [0, 1]. */
+/* Texture look-up with Cycles' conventions: texel centres at half integers, four kinds of extension beyond
+   [0, 1]. */
 #include <stddef.h>
 
 #include "image/texture.h"
 
-/* Coordinates beyond this many texels have no fraction left; they and those that are not finite look up texel 0. */
+/* Coordinates beyond this many texels have no fraction left; they and those that are not finite look up texel
+   0. */
 #define TEXELS_MAX 1e9f
 
 /* Which texel stands for index i of a side of `size`; −1: none, transparent black. */

@@ -1,4 +1,4 @@
-/* What a hit says of its mesh: the texture coordinates that a material may ask for, without knowing of scenes.
+/* What a hit says of its mesh: texture coordinates that a material may ask for, without knowing of scenes.
    `struct hit.mesh` points to a struct hit_mesh, which the scene fills in scene_commit and keeps alive. */
 #ifndef MATERIAL_HIT_MESH_H
 #define MATERIAL_HIT_MESH_H
@@ -16,7 +16,7 @@ struct hit_window {
 
 struct hit_mesh {
     const uint32_t *corners; /* 3 per triangle; NULL: corner i of triangle t is 3t + i */
-    /* 2 floats per corner, by texture.uv_layer: 0 is the mesh's default layer, the others are named; NULL: no such layer */
+    /* 2 floats per corner, by texture.uv_layer: 0 is the default layer, others are named; NULL: no such layer */
     const float *const *uv;
     uint32_t uv_count;
     const struct hit_window *window; /* NULL without a camera */

@@ -1,5 +1,6 @@
-/* The camera: a frame, a thin lens (disk or polygon), and the density of its rays, forwards and for connections.
-   A film point is a direction (perspective) or a position (orthographic); see scene.h for the measures. */
+/* The camera: a frame, a thin lens (disk or polygon), and the density of its rays, forwards and for
+   connections. A film point is a direction (perspective) or a position (orthographic); see scene.h for the
+   measures. */
 #include <float.h>
 #include <stdlib.h>
 
@@ -90,7 +91,7 @@ bool scene_set_camera(struct scene *scene, const struct camera_input *in, stokes
     return true;
 }
 
-/* --- Rays ------------------------------------------------------------------------------------------------------ */
+/* --- Rays -------------------------------------------------------------------------------------------- */
 
 /* Uniform in the regular polygon with corners at distance 1, one of them half a sector below the rotation. */
 static void sample_polygon(int blades, float rotation, const float u[2], float point[2])
@@ -124,8 +125,9 @@ static struct vec3 in_world(const struct camera *camera, float x, float y, float
     return along(along(scale(camera->axis, depth), camera->x, x), camera->y, y);
 }
 
-/* Points uniform over the frame at distance 1 have the density 1/A per area; dA cos³θ is the solid angle, and projecting it about
-   the axis takes another cosine. A lens shifts what a film point looks at (thin lens), with the Jacobian 1. */
+/* Points uniform over the frame at distance 1 have the density 1/A per area; dA cos³θ is the solid angle, and
+   projecting it about the axis takes another cosine. A lens shifts what a film point looks at (thin lens),
+   with the Jacobian 1. */
 static float perspective_pdf(const struct camera *camera, struct vec3 direction)
 {
     float cosine = dot(direction, camera->axis), squared = cosine * cosine;

@@ -1,5 +1,5 @@
-/* scene_commit: compiles materials, resolves names, builds acceleration structures and the table of lights. Each step runs only
-   if what it depends on has changed since the last commit. */
+/* scene_commit: compiles materials, resolves names, builds acceleration structures and the table of lights.
+   Each step runs only if what it depends on has changed since the last commit. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +14,7 @@ static void warn(const struct scene_setup *setup, const char *object, const char
         setup->warn(setup->user, &what);
 }
 
-/* --- Context --------------------------------------------------------------------------------------------------- */
+/* --- Context ----------------------------------------------------------------------------------------- */
 
 static void mesh_uv(const struct hit *hit, int layer, float uv[2])
 {
@@ -83,7 +83,7 @@ static bool make_table(struct scene *scene, const struct scene_setup *setup, sto
            fail(err, "settings", "working_space", "no table of its colours' spectra could be made");
 }
 
-/* --- Materials --------------------------------------------------------------------------------------------------- */
+/* --- Materials --------------------------------------------------------------------------------------- */
 
 /* What "" names, and slots without a material: Cycles' grey. */
 static bool make_default(struct scene *scene, const struct scene_setup *setup, stokes_error *err)
@@ -163,7 +163,7 @@ static bool compile_materials(struct scene *scene, const struct scene_setup *set
     return number_fluorophores(scene, err);
 }
 
-/* --- UV layers by name --------------------------------------------------------------------------------------------- */
+/* --- UV layers by name ------------------------------------------------------------------------------- */
 
 /* Index of a layer's name, which is added if new; 0 is the default layer. −1: no memory. */
 static int layer_index(struct scene *scene, const char *name)
@@ -200,7 +200,7 @@ static bool resolve_layers(struct scene *scene, stokes_error *err)
     return good || fail(err, "scene", "uv", "no memory for %u layers", scene->uv_name_count);
 }
 
-/* --- Instances ------------------------------------------------------------------------------------------------------- */
+/* --- Instances --------------------------------------------------------------------------------------- */
 
 static const struct material *find_material(const struct scene *scene, const struct instances *instances,
                                             size_t slot, stokes_error *err)
@@ -257,7 +257,7 @@ static bool resolve_instances(struct scene *scene, const struct scene_setup *set
     return true;
 }
 
-/* --- Bounds ------------------------------------------------------------------------------------------------------------ */
+/* --- Bounds ------------------------------------------------------------------------------------------ */
 
 struct box {
     struct vec3 low, high;
@@ -289,7 +289,7 @@ static void measure(struct scene *scene)
     scene->radius = 1.001f * radius + 1e-5f * length(scene->center) + (radius > 0 ? 0 : 1);
 }
 
-/* --- Images ------------------------------------------------------------------------------------------------------------ */
+/* --- Images ------------------------------------------------------------------------------------------ */
 
 static bool image_is_used(const struct scene *scene, const struct image *image)
 {
@@ -320,7 +320,7 @@ static void free_unused_images(struct scene *scene)
     scene->retired_count = kept;
 }
 
-/* --- All of it ----------------------------------------------------------------------------------------------------------- */
+/* --- All of it --------------------------------------------------------------------------------------- */
 
 static bool commit_geometry(struct scene *scene, const struct scene_setup *setup, stokes_error *err)
 {

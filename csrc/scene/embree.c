@@ -1,5 +1,5 @@
-/* Ray tracing: the one file that knows Embree (3.13's C API).
-   Geometry ids are indices of scene.objects; user geometry in a second structure holds the lamps that rays can hit. */
+/* Ray tracing: the one file that knows Embree (3.13's C API). Geometry ids are indices of scene.objects; user
+   geometry in a second structure holds the lamps that rays can hit. */
 #include <embree3/rtcore.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,7 +65,7 @@ static bool device_is_well(RTCDevice device, stokes_error *err)
     return fail(err, "scene", "embree", "the acceleration structure could not be built");
 }
 
-/* --- Building ------------------------------------------------------------------------------------------------ */
+/* --- Building ---------------------------------------------------------------------------------------- */
 
 static void attach(RTCScene scene, RTCGeometry geometry, uint32_t mask, uint32_t id)
 {
@@ -96,7 +96,8 @@ static RTCGeometry mesh_geometry(RTCDevice device, const struct mesh *mesh, cons
     return geometry;
 }
 
-/* No HIGH quality: its spatial splits would show a triangle twice to the filter that multiplies transmittances. */
+/* No HIGH quality: its spatial splits would show a triangle twice to the filter that multiplies
+   transmittances. */
 static RTCScene new_scene(RTCDevice device)
 {
     RTCScene scene = rtcNewScene(device);
@@ -148,7 +149,7 @@ bool accel_build(struct scene *scene, stokes_error *err)
     return device_is_well(device, err);
 }
 
-/* --- Surfaces ------------------------------------------------------------------------------------------------ */
+/* --- Surfaces ---------------------------------------------------------------------------------------- */
 
 static struct RTCRay embree_ray(struct vec3 origin, struct vec3 direction, float near, float far,
                                 uint32_t mask)
@@ -223,7 +224,7 @@ float accel_transmittance(const struct scene *scene, struct vec3 origin, struct 
     return ray.tfar < 0 ? 0 : query.transmittance;
 }
 
-/* --- Lamps --------------------------------------------------------------------------------------------------- */
+/* --- Lamps ------------------------------------------------------------------------------------------- */
 
 struct lamp_query {
     struct RTCIntersectContext context;

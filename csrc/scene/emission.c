@@ -1,9 +1,11 @@
-/* What lamps and the world emit: a spectrum, and a texture whose colours are upsampled under the working space's white
-   (architecture.md, "Colour and scale"): scale · max(c) · upsample(c/max c) · D65/∫D65, where white is D65. */
+/* What lamps and the world emit: a spectrum, and a texture whose colours are upsampled under the working
+   space's white (architecture.md, "Colour and scale"): scale · max(c) · upsample(c/max c) · D65/∫D65, where
+   white is D65. */
 #include "base/error.h"
 #include "scene/state.h"
 
-/* Part of a textured light's wavelengths that is drawn from plain white, so that every texel's colour has support. */
+/* Part of a textured light's wavelengths that is drawn from plain white, so that every texel's colour has
+   support. */
 #define WHITE_PART 0.2f
 
 void emission_free(struct emission *emission)

@@ -4,9 +4,9 @@
 
 #include "scene/state.h"
 
-/* Roundings (of relative size 2⁻²⁴) between exact coordinates and what is compared with them, all told: 5 in the barycentric
-   sum, 4 in a transform, and some 8 in Embree's test of a triangle against a ray (differences, edge functions, quotient);
-   doubled, because the next ray's test has its own. */
+/* Roundings (of relative size 2⁻²⁴) between exact coordinates and what is compared with them, all told: 5 in
+   the barycentric sum, 4 in a transform, and some 8 in Embree's test of a triangle against a ray
+   (differences, edge functions, quotient); doubled, because the next ray's test has its own. */
 #define ROUNDINGS (2 * 17 * 0.5f * FLT_EPSILON)
 
 static struct vec3 absolute(struct vec3 a)
@@ -28,8 +28,9 @@ static struct vec3 magnitude(const struct transform *t, struct vec3 p)
                 fabsf(m[8]) * p.x + fabsf(m[9]) * p.y + fabsf(m[10]) * p.z + fabsf(m[11]));
 }
 
-/* Displacement along ng that rounding may cause. Embree takes rays into an instance's space, where the sizes of the world's
-   coordinates come back through the inverse; anisotropic scales make that much more than the point's own coordinates. */
+/* Displacement along ng that rounding may cause. Embree takes rays into an instance's space, where the sizes
+   of the world's coordinates come back through the inverse; anisotropic scales make that much more than the
+   point's own coordinates. */
 static float error_bound(const struct object *object, const struct vec3 corner[3], const struct hit *hit)
 {
     struct vec3 local = larger(larger(absolute(corner[0]), absolute(corner[1])), absolute(corner[2]));
@@ -40,8 +41,8 @@ static float error_bound(const struct object *object, const struct vec3 corner[3
     return ROUNDINGS * dot(absolute(hit->ng), size) + FLT_MIN;
 }
 
-/* Normals go by the cofactors, det M · M⁻ᵀ, which exist for flat transforms too; the determinant's sign is taken out again, so
-   that a mirrored object keeps its outside. */
+/* Normals go by the cofactors, det M · M⁻ᵀ, which exist for flat transforms too; the determinant's sign is
+   taken out again, so that a mirrored object keeps its outside. */
 static struct vec3 transform_normal(const struct object *object, struct vec3 n)
 {
     const float *m = object->to_world.m;
@@ -159,7 +160,8 @@ bool scene_intersect(const struct scene *scene, const struct ray *ray, struct hi
 
 float scene_visibility(const struct scene *scene, struct vec3 from, struct vec3 to, float lambda)
 {
-    /* The far end may lie on a surface whose test rounds by the segment's length, which its offset knows nothing of. */
+    /* The far end may lie on a surface whose test rounds by the segment's length, which its offset knows
+       nothing of. */
     return accel_transmittance(scene, from, sub(to, from), 1 - 2 * ROUNDINGS, lambda);
 }
 

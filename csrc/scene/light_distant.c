@@ -1,5 +1,5 @@
-/* Lights at infinity: suns and the world. A point of theirs is a direction from the scene; their rays start on a disk
-   outside of the scene, with a density per area perpendicular to the direction (lights.c). */
+/* Lights at infinity: suns and the world. A point of theirs is a direction from the scene; their rays start
+   on a disk outside of the scene, with a density per area perpendicular to the direction (lights.c). */
 #include "scene/state.h"
 
 static double cross_section(const struct scene *scene)
@@ -7,7 +7,7 @@ static double cross_section(const struct scene *scene)
     return (double)PI_F * scene->radius * scene->radius;
 }
 
-/* --- Suns ------------------------------------------------------------------------------------------------------ */
+/* --- Suns -------------------------------------------------------------------------------------------- */
 
 static double power_sun(const struct scene *scene, const struct light *light)
 {
@@ -45,7 +45,8 @@ static float pdf_sun(const struct scene *scene, const struct light *light, const
     return sun_pdf(light->lamp);
 }
 
-/* Radiance whose integral over the disk, times the cosine to its middle, is the lamp's irradiance: E / (π sin²). */
+/* Radiance whose integral over the disk, times the cosine to its middle, is the lamp's irradiance: E / (π
+   sin²). */
 static float emission_sun(const struct scene *scene, const struct light *light,
                           const struct light_point *point, struct vec3 direction, float lambda)
 {
@@ -110,7 +111,7 @@ const struct light_kind light_sun_delta = {.delta = true,
                                            .pdf_point = pdf_sun_delta,
                                            .emission = emission_sun_delta};
 
-/* --- The world ------------------------------------------------------------------------------------------------- */
+/* --- The world --------------------------------------------------------------------------------------- */
 
 static double power_world(const struct scene *scene, const struct light *light)
 {

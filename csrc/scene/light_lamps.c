@@ -1,5 +1,6 @@
-/* Lamps that have a place: rectangles, ellipses, spheres, points and spots. They are seen by rays and drawn as emitters,
-   and block nothing. Surfaces emit on one side: rectangles and ellipses along their normal, spheres outwards. */
+/* Lamps that have a place: rectangles, ellipses, spheres, points and spots. They are seen by rays and drawn
+   as emitters, and block nothing. Surfaces emit on one side: rectangles and ellipses along their normal,
+   spheres outwards. */
 #include "scene/state.h"
 
 static double power_surface(const struct scene *scene, const struct light *light)
@@ -43,7 +44,7 @@ static float emission_surface(const struct scene *scene, const struct light *lig
     return emission_at(&light->lamp->emission, vec3(point->uv[0], point->uv[1], 0), lambda);
 }
 
-/* --- Rectangles and ellipses --------------------------------------------------------------------------------- */
+/* --- Rectangles and ellipses ------------------------------------------------------------------------- */
 
 static void flat_point(const struct lamp *lamp, float u, float v, struct light_point *point)
 {
@@ -117,7 +118,7 @@ const struct light_kind light_ellipse = {.has_normal = true,
                                          .emission = emission_surface,
                                          .hit = hit_ellipse};
 
-/* --- Spheres --------------------------------------------------------------------------------------------------- */
+/* --- Spheres ----------------------------------------------------------------------------------------- */
 
 static float sample_sphere(const struct scene *scene, const struct light *light, double choice,
                            const float u[2], struct light_point *point)
@@ -129,7 +130,8 @@ static float sample_sphere(const struct scene *scene, const struct light *light,
     return pdf_area(scene, light, point);
 }
 
-/* The nearer intersection: the other one is seen from inside, where nothing is emitted. In doubles, for small distant spheres. */
+/* The nearer intersection: the other one is seen from inside, where nothing is emitted. In doubles, for small
+   distant spheres. */
 static bool hit_sphere(const struct scene *scene, const struct light *light, const struct ray *ray,
                        struct light_point *point, float *t)
 {
@@ -158,7 +160,7 @@ const struct light_kind light_sphere = {.has_normal = true,
                                         .emission = emission_surface,
                                         .hit = hit_sphere};
 
-/* --- Points ---------------------------------------------------------------------------------------------------- */
+/* --- Points ------------------------------------------------------------------------------------------ */
 
 static double power_point(const struct scene *scene, const struct light *light)
 {
@@ -222,7 +224,7 @@ const struct light_kind light_point_lamp = {.delta = true,
                                             .pdf_direction = pdf_all_directions,
                                             .emission = emission_point};
 
-/* --- Spots ----------------------------------------------------------------------------------------------------- */
+/* --- Spots ------------------------------------------------------------------------------------------- */
 
 /* Cosine to the spot's axis, in its own space, where the cone is round. */
 static float spot_cosine(const struct lamp *lamp, struct vec3 direction, float *stretch)
@@ -293,8 +295,8 @@ const struct light_kind light_spot = {.delta = true,
                                       .pdf_direction = pdf_cone,
                                       .emission = emission_spot};
 
-/* A spot with a radius is a sphere whose radiance falls off with direction as the spot's intensity does. Its directions come
-   from the cone; over the cosine, to be per projected solid angle. */
+/* A spot with a radius is a sphere whose radiance falls off with direction as the spot's intensity does. Its
+   directions come from the cone; over the cosine, to be per projected solid angle. */
 static double power_spot_sphere(const struct scene *scene, const struct light *light)
 {
     return power_spot(scene, light) * light->lamp->area / 4; /* a sphere's cross-section */

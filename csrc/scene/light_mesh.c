@@ -1,4 +1,5 @@
-/* Meshes that emit: one light per object and emissive material slot. A triangle is drawn by area, a point on it uniformly. */
+/* Meshes that emit: one light per object and emissive material slot. A triangle is drawn by area, a point on
+   it uniformly. */
 #include <stdlib.h>
 
 #include "scene/state.h"
@@ -58,8 +59,8 @@ static double power(const struct scene *scene, const struct light *light)
     return spectrum_integral(light->spectrum) * area * PI_F * sides;
 }
 
-/* Probability of the triangle over its area in the world: the same for all where the table holds world areas; else the
-   quotient of local and world area makes up for what the transform does to this triangle. */
+/* Probability of the triangle over its area in the world: the same for all where the table holds world areas;
+   else the quotient of local and world area makes up for what the transform does to this triangle. */
 static float pdf_triangle(const struct scene *scene, const struct light *light, uint32_t triangle)
 {
     const struct object *object = &scene->objects[light->object];

@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "scene/state.h"
 
-/* --- Making the table ------------------------------------------------------------------------------------------ */
+/* --- Making the table -------------------------------------------------------------------------------- */
 
 void scene_free_lights(struct scene *scene)
 {
@@ -149,7 +149,7 @@ bool scene_build_lights(struct scene *scene, stokes_error *err)
     return true;
 }
 
-/* --- Choosing by power ----------------------------------------------------------------------------------------- */
+/* --- Choosing by power ------------------------------------------------------------------------------- */
 
 struct weighted_spectrum {
     const struct spectrum *spectrum;
@@ -234,8 +234,9 @@ size_t search_sum(const double *sum, size_t count, double x, double *rest)
     return low;
 }
 
-/* 24 bits are few for a choice among all triangles of all lights: the rest of a double's bits come from a hash of all three
-   numbers, so that the choice within one light is not a function of the point on its triangle. */
+/* 24 bits are few for a choice among all triangles of all lights: the rest of a double's bits come from a
+   hash of all three numbers, so that the choice within one light is not a function of the point on its
+   triangle. */
 static double refine(const float u[3])
 {
     uint32_t bits[3];
@@ -244,7 +245,7 @@ static double refine(const float u[3])
     return u[0] + (double)(hash >> 40) * 0x1p-48;
 }
 
-/* --- What integrators ask -------------------------------------------------------------------------------------- */
+/* --- What integrators ask ---------------------------------------------------------------------------- */
 
 int scene_light_count(const struct scene *scene)
 {
@@ -369,7 +370,7 @@ bool scene_light_seen_by_camera(const struct scene *scene, const struct light_po
     return (light->mask & RAY_CAMERA) && (point->on_mesh || light->kind->hit);
 }
 
-/* --- Lamps along a ray ----------------------------------------------------------------------------------------- */
+/* --- Lamps along a ray ------------------------------------------------------------------------------- */
 
 /* Up to this many lamps are tried one by one. */
 #define LAMPS_LOOPED 4

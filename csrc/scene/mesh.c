@@ -1,5 +1,5 @@
-/* Meshes: checked copies of what the `mesh` message brings.
-   Zero-area triangles stay, so that primitive numbers are the sender's: no ray finds them and no light is drawn on them. */
+/* Meshes: checked copies of what the `mesh` message brings. Zero-area triangles stay, so that primitive
+   numbers are the sender's: no ray finds them and no light is drawn on them. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Instances as the messages bring them, and the list of placed meshes that scene_commit makes of them.
-   A mesh that is placed once and is small is laid out in the top structure itself, which saves its rays a transform. */
+/* Instances as the messages bring them, and the list of placed meshes that scene_commit makes of them. A mesh
+   that is placed once and is small is laid out in the top structure itself, which saves its rays a transform. */
 #include <stdlib.h>
 #include <string.h>
 

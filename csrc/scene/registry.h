@@ -1,5 +1,5 @@
-/* Named things of one kind: a hash table whose entries can also be walked by name, so that what is built from them
-   depends on the scene alone and not on the order of its messages. */
+/* Named things of one kind: a hash table whose entries can also be walked by name, so that what is built from
+   them depends on the scene alone and not on the order of its messages. */
 #ifndef SCENE_REGISTRY_H
 #define SCENE_REGISTRY_H
 

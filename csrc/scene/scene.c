@@ -87,7 +87,7 @@ void scene_destroy(struct scene *scene)
     free(scene);
 }
 
-/* --- Materials and images ---------------------------------------------------------------------------------------- */
+/* --- Materials and images ---------------------------------------------------------------------------- */
 
 bool scene_add_material(struct scene *scene, const char *name, struct closure *closure, stokes_error *err)
 {
@@ -107,8 +107,8 @@ bool scene_add_material(struct scene *scene, const char *name, struct closure *c
     return true;
 }
 
-/* Materials, lamps and the world hold pointers to images: a new picture of an old name, even of a removed one that is still in
-   use, moves into the old one's place. */
+/* Materials, lamps and the world hold pointers to images: a new picture of an old name, even of a removed one
+   that is still in use, moves into the old one's place. */
 static void refill_image(struct image *old, struct image *image)
 {
     struct image swap = *old;
@@ -163,7 +163,7 @@ const struct image *scene_find_image(const struct scene *scene, const char *name
     return registry_find(&scene->images, name);
 }
 
-/* --- Removal ----------------------------------------------------------------------------------------------------- */
+/* --- Removal ----------------------------------------------------------------------------------------- */
 
 static bool retire_image(struct scene *scene, const char *name)
 {
@@ -212,7 +212,7 @@ bool scene_remove(struct scene *scene, const char *kind, const char *name, stoke
     return true;
 }
 
-/* --- What is told of it -------------------------------------------------------------------------------------------- */
+/* --- What is told of it ------------------------------------------------------------------------------ */
 
 void scene_bounds(const struct scene *scene, struct vec3 *center, float *radius)
 {

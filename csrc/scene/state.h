@@ -1,4 +1,5 @@
-/* What the files of this room share: the scene's parts as the messages brought them, and what scene_commit makes of them. */
+/* What the files of this room share: the scene's parts as the messages brought them, and what scene_commit
+   makes of them. */
 #ifndef SCENE_STATE_H
 #define SCENE_STATE_H
 
@@ -6,7 +7,7 @@
 #include "scene/build.h"
 #include "scene/registry.h"
 
-/* --- Geometry ---------------------------------------------------------------------------------------------- */
+/* --- Geometry ---------------------------------------------------------------------------------------- */
 
 struct mesh {
     struct hit_mesh hit; /* what hits point to */
@@ -72,7 +73,7 @@ void mesh_triangle(const struct mesh *, uint32_t triangle, struct vec3 corner[3]
 /* A triangle's doubled vector area, and its length, after a transform (NULL: none). */
 double triangle_area(const struct mesh *, const struct transform *, uint32_t triangle);
 
-/* --- Materials and images ------------------------------------------------------------------------------------ */
+/* --- Materials and images ---------------------------------------------------------------------------- */
 
 struct material_slot {
     char *name;
@@ -83,7 +84,7 @@ struct material_slot {
 };
 void material_slot_destroy(struct material_slot *);
 
-/* --- Lights -------------------------------------------------------------------------------------------------- */
+/* --- Lights ------------------------------------------------------------------------------------------ */
 
 /* Spectral radiance, intensity or irradiance of a light that is not a mesh. */
 struct emission {
@@ -181,7 +182,7 @@ bool triangle_cdf_build(struct triangle_cdf *, const struct instances *, const s
                         const struct transform *, size_t slot);
 void triangle_cdf_free(struct triangle_cdf *);
 
-/* --- Camera -------------------------------------------------------------------------------------------------- */
+/* --- Camera ------------------------------------------------------------------------------------------ */
 
 struct camera {
     struct camera_input input;
@@ -191,7 +192,7 @@ struct camera {
 };
 void camera_destroy(struct camera *);
 
-/* --- The scene ----------------------------------------------------------------------------------------------- */
+/* --- The scene --------------------------------------------------------------------------------------- */
 
 struct accel; /* embree.c */
 struct accel *accel_create(int threads, stokes_error *err);

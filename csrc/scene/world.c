@@ -1,5 +1,5 @@
-/* The world: constant, or an image over all directions in Cycles' equirectangular layout. Directions of an image world are
-   drawn by luminance and solid angle. */
+/* The world: constant, or an image over all directions in Cycles' equirectangular layout. Directions of an
+   image world are drawn by luminance and solid angle. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -74,7 +74,7 @@ bool scene_set_world(struct scene *scene, const struct world_input *in, stokes_e
     return true;
 }
 
-/* --- Directions ------------------------------------------------------------------------------------------------ */
+/* --- Directions -------------------------------------------------------------------------------------- */
 
 /* Cycles' equirectangular layout: u falls with the angle about z, v = 1 at +z. */
 static void direction_to_map(struct vec3 d, float uv[2])
@@ -142,7 +142,7 @@ float world_radiance(const struct world *world, struct vec3 direction, float lam
     return emission_at(&world->emission, vec3(uv[0], uv[1], 0), lambda);
 }
 
-/* --- The importance map ---------------------------------------------------------------------------------------- */
+/* --- The importance map ------------------------------------------------------------------------------ */
 
 /* Luminance, and a part of the strongest channel, so that no colour is without support. */
 static float importance(const float rgba[4], const float luminance[3])
@@ -155,7 +155,8 @@ static float importance(const float rgba[4], const float luminance[3])
     return 0.75f * sum + 0.25f * most;
 }
 
-/* ∫ over cell [first, end) of the linear interpolation of texels: each counts 1, 1/8 of it falls over each edge. */
+/* ∫ over cell [first, end) of the linear interpolation of texels: each counts 1, 1/8 of it falls over each
+   edge. */
 static float overlap(int64_t i, int64_t first, int64_t end)
 {
     if (i < first || i >= end)

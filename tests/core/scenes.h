@@ -1,4 +1,5 @@
-/* Parts of scenes for the tests of csrc/scene: meshes of raw triangles, plain materials, and a commit that must succeed. */
+/* Parts of scenes for the tests of csrc/scene: meshes of raw triangles, plain materials, and a commit that
+   must succeed. */
 #ifndef SCENES_H
 #define SCENES_H
 
@@ -22,7 +23,8 @@ void scenes_instance(struct scene *, const char *name, const char *mesh, const c
 void scenes_material(struct scene *, const char *name, struct closure *);
 void scenes_light(struct scene *, struct light_input); /* `visible` is set to all */
 void scenes_commit(struct scene *);
-/* A random transform: rotation, anisotropic scale about `size`, shear, translation within `reach`; mirrored for odd seeds. */
+/* A random transform: rotation, anisotropic scale about `size`, shear, translation within `reach`; mirrored
+   for odd seeds. */
 struct transform scenes_transform(uint64_t seed, float size, float reach);
 struct vec3 scenes_direction(uint64_t seed, uint64_t index); /* uniform on the sphere */
 

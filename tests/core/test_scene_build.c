@@ -1,4 +1,5 @@
-/* Building and editing: what is refused and says why, what hits carry of their mesh, and that edits show after the next commit. */
+/* Building and editing: what is refused and says why, what hits carry of their mesh, and that edits show
+   after the next commit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,7 +57,7 @@ static bool commit(struct scene *scene, stokes_error *err)
     return scene_commit(scene, &setup, err);
 }
 
-/* --- Checks ---------------------------------------------------------------------------------------------------- */
+/* --- Checks ------------------------------------------------------------------------------------------ */
 
 static void bad_meshes_are_refused_and_change_nothing(void **state)
 {
@@ -183,7 +184,7 @@ static void bad_lights_name_what_is_wrong(void **state)
     scene_destroy(scene);
 }
 
-/* --- What hits carry -------------------------------------------------------------------------------------------- */
+/* --- What hits carry --------------------------------------------------------------------------------- */
 
 static struct scene *full_quad(const struct transform *transform)
 {
@@ -278,7 +279,8 @@ static struct closure *textured_emitter(const struct image *image, const char *l
     return closure;
 }
 
-/* Black on the left half, white on the right: the layer that a texture names decides which end of the quad shines. */
+/* Black on the left half, white on the right: the layer that a texture names decides which end of the quad
+   shines. */
 static void textures_look_up_the_layer_that_they_name(void **state)
 {
     (void)state;
@@ -308,7 +310,7 @@ static void textures_look_up_the_layer_that_they_name(void **state)
     }
 }
 
-/* --- Edits ------------------------------------------------------------------------------------------------------- */
+/* --- Edits ------------------------------------------------------------------------------------------- */
 
 static void edits_show_after_the_next_commit(void **state)
 {

@@ -1,4 +1,5 @@
-/* The camera: rays and connections are each other's inverse with one density, which integrates to 1 over the frame; lenses. */
+/* The camera: rays and connections are each other's inverse with one density, which integrates to 1 over the
+   frame; lenses. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -86,7 +87,8 @@ static void connections_invert_rays(void **state)
     }
 }
 
-/* ∫ over directions of the density of those that fall inside the frame, per projected solid angle: uniform directions. */
+/* ∫ over directions of the density of those that fall inside the frame, per projected solid angle: uniform
+   directions. */
 static void density_integrates_to_one_over_the_frame(void **state)
 {
     (void)state;
@@ -114,8 +116,8 @@ static void density_integrates_to_one_over_the_frame(void **state)
     assert_unbiased(found, exact, 3, (struct power){.sees_error = 0.05});
 }
 
-/* Rays of uniform film points have the density that they state: ∫ over the frame of projected solid angle is the mean of 1/pdf over
-   them, and counts uniform directions that connect. */
+/* Rays of uniform film points have the density that they state: ∫ over the frame of projected solid angle is
+   the mean of 1/pdf over them, and counts uniform directions that connect. */
 static void rays_are_drawn_with_their_density(void **state)
 {
     (void)state;
@@ -159,7 +161,8 @@ static void lens_rays_meet_in_the_plane_of_focus(void **state)
     scene_destroy(pinhole);
 }
 
-/* Lens points are uniform over a disk squeezed by the aspect, or over a polygon in it: second moments, and no point outside. */
+/* Lens points are uniform over a disk squeezed by the aspect, or over a polygon in it: second moments, and no
+   point outside. */
 static void lens_points_fill_their_aperture(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Lights: every kind's densities integrate to 1 and are those that are drawn from, powers are the ones that physics gives, and rays
-   find what sampling draws. Measures as in scene.h. */
+/* Lights: every kind's densities integrate to 1 and are those that are drawn from, powers are the ones that
+   physics gives, and rays find what sampling draws. Measures as in scene.h. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +18,7 @@
 #define BATCHES 32
 #define DRAWS 20000 /* in a batch */
 
-/* --- One light of each kind ------------------------------------------------------------------------------------ */
+/* --- One light of each kind -------------------------------------------------------------------------- */
 
 /* What a light of spectral density PER_NM (radiance, intensity or irradiance) must do. */
 struct sample_light {
@@ -166,7 +166,8 @@ static void draw_numbers(uint64_t seed, uint64_t i, float *u, uint64_t count)
         u[k] = (float)independent(seed, i * count + k);
 }
 
-/* Estimators without variance are held against rounding (of sums of DRAWS floats), the others against statistics. */
+/* Estimators without variance are held against rounding (of sums of DRAWS floats), the others against
+   statistics. */
 static void assert_estimates(const struct batches *found, const double *exact, size_t count,
                              struct power power)
 {
@@ -184,7 +185,7 @@ static void assert_estimates(const struct batches *found, const double *exact, s
         assert_unbiased(noisy, exact_noisy, noisy_count, power);
 }
 
-/* --- Claims ---------------------------------------------------------------------------------------------------- */
+/* --- Claims ------------------------------------------------------------------------------------------ */
 
 static void densities_are_those_that_are_drawn_from(void **state)
 {
@@ -272,7 +273,8 @@ static void emitted_power_is_what_physics_says(void **state)
     assert_estimates(found, exact, count, (struct power){.sees_error = 0.03});
 }
 
-/* A sun's irradiance is that of its message; a constant world of radiance L gives πL; directions' densities integrate to 1. */
+/* A sun's irradiance is that of its message; a constant world of radiance L gives πL; directions' densities
+   integrate to 1. */
 static void distant_lights_give_their_irradiance(void **state)
 {
     (void)state;
@@ -354,7 +356,8 @@ static void world_is_drawn_as_its_density_says(void **state)
     scene_destroy(scene);
 }
 
-/* Radiance received at a point, once by rays in all directions that meet the lamp, once by points on it with G. */
+/* Radiance received at a point, once by rays in all directions that meet the lamp, once by points on it with
+   G. */
 static void rays_find_lamps_as_sampling_draws_them(void **state)
 {
     (void)state;

@@ -13,7 +13,7 @@
 #define COPIES 12
 #define RAYS 20000
 
-/* --- Brute force, in doubles --------------------------------------------------------------------------------- */
+/* --- Brute force, in doubles ------------------------------------------------------------------------- */
 
 struct brute_hit {
     double t, margin; /* margin: the smallest barycentric coordinate, how far from an edge */
@@ -79,7 +79,7 @@ static bool brute_force(const struct vec3 *points, uint32_t triangles, const str
     return found;
 }
 
-/* --- Scenes -------------------------------------------------------------------------------------------------- */
+/* --- Scenes ------------------------------------------------------------------------------------------ */
 
 static void random_triangles(uint64_t seed, float size, struct vec3 *points)
 {
@@ -129,7 +129,7 @@ static struct ray random_ray(uint64_t i, float reach)
     return (struct ray){from, normalize(sub(to, from)), 0, INFINITY, RAY_CAMERA};
 }
 
-/* --- Claims -------------------------------------------------------------------------------------------------- */
+/* --- Claims ------------------------------------------------------------------------------------------ */
 
 static void check_against_brute_force(uint32_t copies)
 {
@@ -152,8 +152,8 @@ static void check_against_brute_force(uint32_t copies)
         difference(hit.position, ray.origin, at);
         for (int k = 0; k < 3; k++)
             at[k] -= brute.t * d[k];
-        /* a grazing ray slides along the surface by the error over the cosine; the test of a triangle rounds, some eight times, by
-           the ray's length too */
+        /* a grazing ray slides along the surface by the error over the cosine; the test of a triangle rounds,
+           some eight times, by the ray's length too */
         double bound = hit.error + 8 * 0x1p-24 * brute.t;
         assert_true(sqrt(dot_d(at, at)) * fabsf(dot(ray.direction, hit.ng)) <= bound);
         assert_non_null(material);
@@ -174,7 +174,8 @@ static void instances_are_hit_where_brute_force_says(void **state)
     check_against_brute_force(COPIES);
 }
 
-/* ng is the transformed plane's normal, on the side of the local winding's normal under the inverse transpose. */
+/* ng is the transformed plane's normal, on the side of the local winding's normal under the inverse
+   transpose. */
 static void normals_are_right_under_mirroring_transforms(void **state)
 {
     (void)state;
@@ -197,7 +198,8 @@ static void normals_are_right_under_mirroring_transforms(void **state)
     }
 }
 
-/* A ray that leaves a triangle by scene_offset does not meet that triangle again, near or far from the origin, small or large. */
+/* A ray that leaves a triangle by scene_offset does not meet that triangle again, near or far from the
+   origin, small or large. */
 static void offset_rays_never_hit_their_own_triangle(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Textures: bilinear and closest look-up, the four extensions, transforms, channels, and what image_create refuses. */
+/* Textures: bilinear and closest look-up, the four extensions, transforms, channels, and what image_create
+   refuses. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -61,7 +62,8 @@ static void linear_look_up_is_linear_between_centres(void **state)
     image_destroy(image);
 }
 
-/* In texels: repeat wraps, extend holds, clip is transparent black, mirror folds; at one texel beyond each edge and far off. */
+/* In texels: repeat wraps, extend holds, clip is transparent black, mirror folds; at one texel beyond each
+   edge and far off. */
 static void extensions_say_what_lies_beyond_the_edges(void **state)
 {
     (void)state;
