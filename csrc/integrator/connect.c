@@ -313,7 +313,7 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
     if (s == 1 && (y->unbounded || !scene_light_seen_by_camera(it->scene, &y->light)))
         return;
     struct joint joint = {.y = y, .x = &x, .s = s, .t = 1};
-    if (!scene_camera_connect(it->scene, y->position, it->settings.filter_width / 2, u, &x.lens, at,
+    if (!scene_camera_connect(it->scene, y->position, it->settings.filter_width, u, &x.lens, at,
                               &joint.pdf_camera_direction))
         return;
     int px = (int)floorf(at[0] + film_filter_sample(it->settings.filter_width, u[2]));
