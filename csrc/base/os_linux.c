@@ -42,8 +42,10 @@ static bool forbid_shrinking(int fd, stokes_error *err)
         return true;
     if (fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK) == 0)
         return true;
-    return fail(err, "shared memory", "seal", "descriptor %d cannot be kept from shrinking (%s); make it by memfd_create "
-                "with MFD_ALLOW_SEALING", fd, strerror(errno));
+    return fail(err, "shared memory", "seal",
+                "descriptor %d cannot be kept from shrinking (%s); make it by memfd_create "
+                "with MFD_ALLOW_SEALING",
+                fd, strerror(errno));
 }
 
 bool os_memory_map(struct os_memory *memory, int fd, bool writable, stokes_error *err)

@@ -5,20 +5,20 @@
 
 #include "cli.h"
 
-static const char merge_help[] =
-    "Usage: stokes merge PART.exr… -o OUT.exr\n"
-    "\n"
-    "Merges EXRs of one scene whose sample ranges touch without overlapping. The result has the bits of one render of\n"
-    "the whole range, whatever the order of the parts.\n"
-    "\n"
-    "  -o, --output FILE\n"
-    "  -h, --help\n";
+static const char merge_help[] = "Usage: stokes merge PART.exr… -o OUT.exr\n"
+                                 "\n"
+                                 "Merges EXRs of one scene whose sample ranges touch without overlapping. "
+                                 "The result has the bits of one render of\n"
+                                 "the whole range, whatever the order of the parts.\n"
+                                 "\n"
+                                 "  -o, --output FILE\n"
+                                 "  -h, --help\n";
 
-static const char info_help[] =
-    "Usage: stokes info FILE…\n"
-    "\n"
-    "Prints a line for each message of a scene file, or what an EXR of Stokes holds: its size, its samples, its\n"
-    "spectral bins, and how it was made.\n";
+static const char info_help[] = "Usage: stokes info FILE…\n"
+                                "\n"
+                                "Prints a line for each message of a scene file, or what an EXR of Stokes "
+                                "holds: its size, its samples, its\n"
+                                "spectral bins, and how it was made.\n";
 
 int cli_merge(int argc, char **argv)
 {
@@ -38,7 +38,9 @@ int cli_merge(int argc, char **argv)
     }
     if (!out || optind == argc)
         return cli_usage("merge", "%s", out ? "parts are wanted" : "an output is wanted (-o)");
-    return stokes_merge((const char *const *)argv + optind, (size_t)(argc - optind), out, &err) ? 0 : cli_fail(&err);
+    return stokes_merge((const char *const *)argv + optind, (size_t)(argc - optind), out, &err)
+               ? 0
+               : cli_fail(&err);
 }
 
 int cli_info(int argc, char **argv)

@@ -18,7 +18,9 @@ static const struct command {
 
 static void print_help(FILE *out)
 {
-    fputs("Stokes " STOKES_VERSION ": fluorescent spectral rendering.\n\nUsage: stokes COMMAND [OPTION…] [ARGUMENT…]\n\n", out);
+    fputs("Stokes " STOKES_VERSION
+          ": fluorescent spectral rendering.\n\nUsage: stokes COMMAND [OPTION…] [ARGUMENT…]\n\n",
+          out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(out, "  %-10s %s\n", commands[i].name, commands[i].summary);
     fputs("\n`stokes COMMAND --help` tells all of a command.\n", out);

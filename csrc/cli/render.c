@@ -30,7 +30,8 @@ static const char help[] =
     "  -q, --quiet              no progress, no report\n"
     "  -h, --help\n"
     "\n"
-    "Ctrl-C ends the render; whole passes are written. Images depend on scene, seed and samples alone, not on\n"
+    "Ctrl-C ends the render; whole passes are written. Images depend on scene, seed and samples alone, not "
+    "on\n"
     "threads: parts of the sample range, rendered anywhere, merge to the bits of the whole.\n"
     "Exit status: 0 done, 1 an error (one line on stderr), 2 wrong usage, 130 cancelled (and written).\n";
 
@@ -95,8 +96,16 @@ static void on_progress(void *user, int sample, int samples, double seconds, dou
 
 /* --- Options ----------------------------------------------------------------------------------------------- */
 
-enum { OPTION_TECHNIQUES = 256, OPTION_MAX_PATH, OPTION_D0, OPTION_SHRINK, OPTION_BINS, OPTION_BINS_RANGE, OPTION_SEED,
-       OPTION_TIME_LIMIT };
+enum {
+    OPTION_TECHNIQUES = 256,
+    OPTION_MAX_PATH,
+    OPTION_D0,
+    OPTION_SHRINK,
+    OPTION_BINS,
+    OPTION_BINS_RANGE,
+    OPTION_SEED,
+    OPTION_TIME_LIMIT
+};
 
 static const struct option options[] = {
     {"output", required_argument, NULL, 'o'},
@@ -188,12 +197,14 @@ static int read_options(int argc, char **argv, struct job *job)
         if (option == '?')
             return cli_usage("render", "'%s' is no option, or lacks its argument", argv[optind - 1]);
         if (!read_option(option, job))
-            return cli_usage("render", "'%s' is not what %s takes", optarg, argv[optind - (optarg == argv[optind - 1] ? 2 : 1)]);
+            return cli_usage("render", "'%s' is not what %s takes", optarg,
+                             argv[optind - (optarg == argv[optind - 1] ? 2 : 1)]);
     }
     if (job->shows_help)
         return 0;
     if (optind + 1 != argc)
-        return cli_usage("render", "%s", optind == argc ? "a scene file is wanted" : "one scene file is wanted");
+        return cli_usage("render", "%s",
+                         optind == argc ? "a scene file is wanted" : "one scene file is wanted");
     job->scene = argv[optind];
     if (job->outputs == 0)
         return cli_usage("render", "an output is wanted (-o)");
@@ -231,8 +242,8 @@ int cli_render(int argc, char **argv)
         fputs(help, stdout);
         return 0;
     }
-    const stokes_listener listener = {.warning = on_warning, .progress = job.quiet ? NULL : on_progress,
-                                      .cancelled = on_cancelled};
+    const stokes_listener listener = {
+        .warning = on_warning, .progress = job.quiet ? NULL : on_progress, .cancelled = on_cancelled};
     struct sigaction action = {.sa_handler = on_interrupt};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);

@@ -8,7 +8,8 @@
 static const char help[] =
     "Usage: stokes serve [--memory FD] [--film FD]\n"
     "\n"
-    "Speaks the Stokes stream (csrc/stream/STREAM.md): frames of the parent on stdin, replies on stdout. Ends with `quit`, or\n"
+    "Speaks the Stokes stream (csrc/stream/STREAM.md): frames of the parent on stdin, replies on stdout. "
+    "Ends with `quit`, or\n"
     "when stdin or the parent ends.\n"
     "\n"
     "      --memory FD   shared memory (a memfd that may be sealed) that `shared` blobs lie in\n"

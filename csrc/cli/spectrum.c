@@ -4,12 +4,12 @@
 
 #include "cli.h"
 
-static const char help[] =
-    "Usage: stokes spectrum list [PREFIX]\n"
-    "       stokes spectrum show NAME [FROM TO [STEP]]\n"
-    "\n"
-    "`list` prints the names of the library's spectra, as {\"library\": NAME} takes them. `show` prints wavelength (nm) and\n"
-    "value, a line each, from 360 to 830 nm by 10 unless told otherwise.\n";
+static const char help[] = "Usage: stokes spectrum list [PREFIX]\n"
+                           "       stokes spectrum show NAME [FROM TO [STEP]]\n"
+                           "\n"
+                           "`list` prints the names of the library's spectra, as {\"library\": NAME} takes "
+                           "them. `show` prints wavelength (nm) and\n"
+                           "value, a line each, from 360 to 830 nm by 10 unless told otherwise.\n";
 
 static int list(const char *prefix)
 {
@@ -28,8 +28,8 @@ static int list(const char *prefix)
 static int show(int argc, char **argv)
 {
     double from = 360, to = 830, step = 10, value;
-    if ((argc != 1 && argc != 3 && argc != 4) || (argc > 1 && (!cli_number(argv[1], 1, 1e6, &from) ||
-                                                               !cli_number(argv[2], from, 1e6, &to))) ||
+    if ((argc != 1 && argc != 3 && argc != 4) ||
+        (argc > 1 && (!cli_number(argv[1], 1, 1e6, &from) || !cli_number(argv[2], from, 1e6, &to))) ||
         (argc > 3 && !cli_number(argv[3], 1e-3, 1e6, &step)))
         return cli_usage("spectrum", "NAME, or NAME FROM TO, or NAME FROM TO STEP is wanted");
     for (int i = 0; from + i * step <= to; i++) {

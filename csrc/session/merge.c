@@ -56,8 +56,9 @@ static bool read_parts(struct part *parts, const char *const *paths, size_t coun
         if (!part->film)
             return false;
         if (strcmp(part->fingerprint, parts[0].fingerprint) != 0)
-            return fail(err, paths[i], "fingerprint", "%s is not %s, that of %.120s: another scene, or other settings",
-                        part->fingerprint, parts[0].fingerprint, paths[0]);
+            return fail(err, paths[i], "fingerprint",
+                        "%s is not %s, that of %.120s: another scene, or other settings", part->fingerprint,
+                        parts[0].fingerprint, paths[0]);
     }
     return true;
 }
@@ -81,7 +82,8 @@ bool stokes_merge(const char *const *paths, size_t count, const char *out, stoke
         return fail(err, out, "merge", "there is nothing to merge");
     struct part *parts = calloc(count, sizeof *parts);
     bool good = parts || fail(err, out, "merge", "out of memory");
-    good = good && read_parts(parts, paths, count, err) && film_read_notes(paths[0], &space, keep_note, &notes, err);
+    good = good && read_parts(parts, paths, count, err) &&
+           film_read_notes(paths[0], &space, keep_note, &notes, err);
     good = good && (notes.complete || fail(err, paths[0], "notes", "do not fit into memory"));
     good = good && merge_parts(parts, count, err);
     good = good && film_write_exr(parts[0].film, &space, notes.note, notes.count, out, err);

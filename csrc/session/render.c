@@ -10,11 +10,11 @@
 #include "base/thread.h"
 #include "session/session.h"
 
-#define UNIT_PIXELS 16          /* a unit of work is one sample of so many pixels squared */
+#define UNIT_PIXELS 16 /* a unit of work is one sample of so many pixels squared */
 #define PROGRESS_EVERY_S 0.1
-#define FIRST_PASS_CHUNK_S 0.5  /* the first pass is shown as it grows */
-#define REFRESH_SHARE 20        /* the picture is refreshed when that costs no more than 1/20 of the time */
-#define MERGE_SHARE 50          /* a batch lasts so much longer than its merge */
+#define FIRST_PASS_CHUNK_S 0.5 /* the first pass is shown as it grows */
+#define REFRESH_SHARE 20       /* the picture is refreshed when that costs no more than 1/20 of the time */
+#define MERGE_SHARE 50         /* a batch lasts so much longer than its merge */
 #define BATCH_MIN_S 0.1
 #define BATCH_MAX_S 5.0
 
@@ -24,7 +24,7 @@ struct render {
     struct film *film, *pass;
     struct working_space *space;
     float *picture; /* NULL: nobody looks */
-    int area[4];    /* pixels to trace: the border's, or the whole frame's where splats come in from outside */
+    int area[4]; /* pixels to trace: the border's, or the whole frame's where splats come in from outside */
     size_t columns, units;
     int threads, first_sample, end_sample;
     double start, progress_at, refresh_at, merge_s;
@@ -226,7 +226,8 @@ static void place_units(struct render *render)
     const int frame[4] = {0, 0, film->full_width, film->full_height};
     for (int i = 0; i < 4; i++)
         render->area[i] = whole ? frame[i] : border[i];
-    size_t width = (size_t)(render->area[2] - render->area[0]), height = (size_t)(render->area[3] - render->area[1]);
+    size_t width = (size_t)(render->area[2] - render->area[0]),
+           height = (size_t)(render->area[3] - render->area[1]);
     render->columns = (width + UNIT_PIXELS - 1) / UNIT_PIXELS;
     render->units = render->columns * ((height + UNIT_PIXELS - 1) / UNIT_PIXELS);
 }
@@ -246,7 +247,8 @@ static bool prepare(struct render *render, size_t picture_floats, stokes_error *
     if (!commit_scene(session, &session->rendered, err) || !make_films(render, s, err) ||
         !check_picture(render, picture_floats, err))
         return false;
-    render->integrator = integrator_create(s, session->scene, render->pass, render->threads, session_warn, session, err);
+    render->integrator =
+        integrator_create(s, session->scene, render->pass, render->threads, session_warn, session, err);
     if (!render->integrator)
         return false;
     place_units(render);
@@ -274,7 +276,8 @@ bool stokes_session_render(stokes_session *session, const stokes_overrides *over
 {
     struct session_settings settings = session->settings;
     struct render render = {.session = session, .space = &session->color.working_space, .picture = picture};
-    if ((overrides && !session_settings_override(&settings, overrides, err)) || !pick_samples(&render, overrides, err))
+    if ((overrides && !session_settings_override(&settings, overrides, err)) ||
+        !pick_samples(&render, overrides, err))
         return false;
     session->rendered = settings;
     render.threads = session_threads(&settings);

@@ -41,12 +41,13 @@ void session_write_report(stokes_session *session)
     size_t outside = tally_sum(session->outside) + scene.colors_out_of_reach;
     double pixels = (double)film->width * film->height;
     text_clear(out);
-    text_line(out, "scene: %zu meshes, %zu instances, %zu triangles, %zu lights, %zu materials, %zu images", scene.meshes,
-              scene.instances, scene.triangles, scene.lights, scene.materials, scene.images);
-    text_line(out, "film: %d x %d pixels, samples %d to %d of each", film->width, film->height, film->first_sample,
-              film->end_sample);
+    text_line(out, "scene: %zu meshes, %zu instances, %zu triangles, %zu lights, %zu materials, %zu images",
+              scene.meshes, scene.instances, scene.triangles, scene.lights, scene.materials, scene.images);
+    text_line(out, "film: %d x %d pixels, samples %d to %d of each", film->width, film->height,
+              film->first_sample, film->end_sample);
     text_line(out, "time: %.2f s, %.4g samples/s with %d threads", session->seconds,
-              session->seconds > 0 ? samples * pixels / session->seconds : 0, session_threads(&session->rendered));
+              session->seconds > 0 ? samples * pixels / session->seconds : 0,
+              session_threads(&session->rendered));
     if (session->cancelled)
         text_line(out, "cancelled after %d whole passes", samples);
     if (outside > 0)
@@ -86,16 +87,23 @@ void session_fingerprint(const stokes_session *session, const struct session_set
                          char text[SESSION_FINGERPRINT_BYTES])
 {
     const struct integrator_settings *s = &settings->integrator;
-    const int whole[] = {s->kernel, s->mollify_side, s->max_path, s->max_camera, s->max_light, s->max_diffuse, s->max_glossy,
-                         s->max_transmission, s->max_transparent, s->roulette_start, s->film_transparent,
-                         s->spectral_bins, settings->uv_rule, (int)s->seed};
-    const double real[] = {s->d0_nm, s->shrink, s->lambda_min, s->lambda_max, s->filter_width,
-                           s->spectral_bins ? s->bins_min : 0, s->spectral_bins ? s->bins_max : 0};
+    const int whole[] = {s->kernel,          s->mollify_side,   s->max_path,         s->max_camera,
+                         s->max_light,       s->max_diffuse,    s->max_glossy,       s->max_transmission,
+                         s->max_transparent, s->roulette_start, s->film_transparent, s->spectral_bins,
+                         settings->uv_rule,  (int)s->seed};
+    const double real[] = {s->d0_nm,
+                           s->shrink,
+                           s->lambda_min,
+                           s->lambda_max,
+                           s->filter_width,
+                           s->spectral_bins ? s->bins_min : 0,
+                           s->spectral_bins ? s->bins_max : 0};
     uint64_t hash = session_hash(session->scene_hash, STOKES_VERSION, sizeof STOKES_VERSION);
     hash = session_hash(hash, s->name, strlen(s->name));
     hash = session_hash(hash, whole, sizeof whole);
     hash = session_hash(hash, real, sizeof real);
-    hash = session_hash(hash, session->color.working_space.rgb_to_xyz, sizeof session->color.working_space.rgb_to_xyz);
+    hash = session_hash(hash, session->color.working_space.rgb_to_xyz,
+                        sizeof session->color.working_space.rgb_to_xyz);
     hash = hash_techniques(s, hash);
     snprintf(text, SESSION_FINGERPRINT_BYTES, "%016" PRIx64, hash);
 }

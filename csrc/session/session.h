@@ -14,7 +14,7 @@
 struct session_settings {
     struct integrator_settings integrator;
     enum uv_rule uv_rule;
-    int threads; /* 0: all processors */
+    int threads;         /* 0: all processors */
     double time_limit_s; /* 0: none */
 };
 
@@ -37,13 +37,14 @@ struct stokes_session {
     struct scene *scene;
     struct session_settings settings;
     struct session_color color;
-    struct spectrum *white; /* what an RGB light of (1,1,1) emits; made when first asked for (stream/emission.c) */
-    bool greeted;     /* `hello` has come */
+    struct spectrum
+        *white;   /* what an RGB light of (1,1,1) emits; made when first asked for (stream/emission.c) */
+    bool greeted; /* `hello` has come */
     bool has_camera;
     bool uses_colors; /* something holds spectra or pixels: working space, Λ and uv_rule stay from here on */
     int first_sample, end_sample; /* of the `render` message */
-    uint64_t scene_hash; /* of all that was applied and changes the image, settings apart */
-    struct tally *outside; /* colours out of reach, by object (tally.c) */
+    uint64_t scene_hash;          /* of all that was applied and changes the image, settings apart */
+    struct tally *outside;        /* colours out of reach, by object (tally.c) */
 
     /* The last render. */
     struct film *film;
@@ -80,7 +81,8 @@ size_t tally_sum(const struct tally *);
 /* After a render, in report.c. */
 void session_write_report(stokes_session *);
 /* Of scene and settings, less what changes no path's value: merging compares it. */
-void session_fingerprint(const stokes_session *, const struct session_settings *, char text[SESSION_FINGERPRINT_BYTES]);
+void session_fingerprint(const stokes_session *, const struct session_settings *,
+                         char text[SESSION_FINGERPRINT_BYTES]);
 /* One more word in a running hash. */
 uint64_t session_hash(uint64_t hash, const void *data, size_t bytes);
 

@@ -56,10 +56,11 @@ bool session_settings_check(const struct session_settings *settings, stokes_erro
 {
     const struct integrator_settings *s = &settings->integrator;
     return check_range("lambda_min", s->lambda_min, LAMBDA_LOWEST_NM, LAMBDA_HIGHEST_NM, err) &&
-           check_range("lambda_max", s->lambda_max, s->lambda_min + LAMBDA_NARROWEST_NM, LAMBDA_HIGHEST_NM, err) &&
+           check_range("lambda_max", s->lambda_max, s->lambda_min + LAMBDA_NARROWEST_NM, LAMBDA_HIGHEST_NM,
+                       err) &&
            check_range("d0", s->d0_nm, 1e-3, 1e4, err) && check_range("shrink", s->shrink, 0, 1, err) &&
-           check_range("filter_width", s->filter_width, 0.01, 100, err) && check_edges(s, err) && check_bins(s, err) &&
-           check_range("threads", settings->threads, 0, THREADS_MAX, err) &&
+           check_range("filter_width", s->filter_width, 0.01, 100, err) && check_edges(s, err) &&
+           check_bins(s, err) && check_range("threads", settings->threads, 0, THREADS_MAX, err) &&
            check_range("time_limit", settings->time_limit_s, 0, 1e9, err);
 }
 
@@ -73,14 +74,16 @@ static bool read_techniques(const char *text, struct integrator_settings *settin
         if (sscanf(text, "%2d,%2d%n", &s, &t, &used) < 2 || !used || (text[used] && text[used] != ' '))
             return fail(err, "settings", "techniques", "'%s' is not a pair like 2,1", text);
         if (s < 0 || t < 0 || s >= TECHNIQUES_MAX || t >= TECHNIQUES_MAX)
-            return fail(err, "settings", "techniques", "%d,%d is beyond %d vertices", s, t, TECHNIQUES_MAX - 1);
+            return fail(err, "settings", "techniques", "%d,%d is beyond %d vertices", s, t,
+                        TECHNIQUES_MAX - 1);
         settings->technique[s][t] = true;
         text += used;
     }
     return true;
 }
 
-bool session_settings_override(struct session_settings *settings, const stokes_overrides *o, stokes_error *err)
+bool session_settings_override(struct session_settings *settings, const stokes_overrides *o,
+                               stokes_error *err)
 {
     struct integrator_settings *s = &settings->integrator;
     if (o->integrator) {
@@ -108,13 +111,22 @@ bool session_settings_override(struct session_settings *settings, const stokes_o
         s->max_path = o->max_path;
     if (o->time_limit_s >= 0)
         settings->time_limit_s = o->time_limit_s;
-    return (!o->techniques || read_techniques(o->techniques, s, err)) && session_settings_check(settings, err);
+    return (!o->techniques || read_techniques(o->techniques, s, err)) &&
+           session_settings_check(settings, err);
 }
 
 stokes_overrides stokes_overrides_default(void)
 {
-    return (stokes_overrides){.seed = -1, .first_sample = -1, .end_sample = -1, .threads = -1, .d0_nm = -1, .shrink = -1,
-                              .spectral_bins = -1, .bins_min_nm = -1, .bins_max_nm = -1, .max_path = -1,
+    return (stokes_overrides){.seed = -1,
+                              .first_sample = -1,
+                              .end_sample = -1,
+                              .threads = -1,
+                              .d0_nm = -1,
+                              .shrink = -1,
+                              .spectral_bins = -1,
+                              .bins_min_nm = -1,
+                              .bins_max_nm = -1,
+                              .max_path = -1,
                               .time_limit_s = -1};
 }
 

@@ -41,7 +41,8 @@ void tally_set(struct tally *tally, const char *kind, const char *name, size_t c
         return;
     wanted->count = 0;
     snprintf(wanted->key, room, "%s/%s", kind, name);
-    struct tally_entry **found = count ? tsearch(wanted, &tally->root, compare) : tfind(wanted, &tally->root, compare);
+    struct tally_entry **found =
+        count ? tsearch(wanted, &tally->root, compare) : tfind(wanted, &tally->root, compare);
     if (!found || *found != wanted) {
         free(wanted);
         if (!found)

@@ -26,12 +26,14 @@ static const char *instruction_set(void)
 static void describe_settings(const struct session_settings *settings, char *text, size_t bytes)
 {
     const struct integrator_settings *s = &settings->integrator;
-    snprintf(text, bytes,
-             "integrator=%s d0=%g shrink=%g max_path=%d max_camera=%d max_light=%d max_diffuse=%d max_glossy=%d "
-             "max_transmission=%d max_transparent=%d roulette_start=%d lambda=%g..%g filter_width=%g techniques=%s",
-             s->name, s->d0_nm, s->shrink, s->max_path, s->max_camera, s->max_light, s->max_diffuse, s->max_glossy,
-             s->max_transmission, s->max_transparent, s->roulette_start, (double)s->lambda_min, (double)s->lambda_max,
-             (double)s->filter_width, s->all_techniques ? "all" : "some");
+    snprintf(
+        text, bytes,
+        "integrator=%s d0=%g shrink=%g max_path=%d max_camera=%d max_light=%d max_diffuse=%d max_glossy=%d "
+        "max_transmission=%d max_transparent=%d roulette_start=%d lambda=%g..%g filter_width=%g "
+        "techniques=%s",
+        s->name, s->d0_nm, s->shrink, s->max_path, s->max_camera, s->max_light, s->max_diffuse, s->max_glossy,
+        s->max_transmission, s->max_transparent, s->roulette_start, (double)s->lambda_min,
+        (double)s->lambda_max, (double)s->filter_width, s->all_techniques ? "all" : "some");
 }
 
 static bool write_exr(const stokes_session *session, const char *path, stokes_error *err)
@@ -40,11 +42,15 @@ static bool write_exr(const stokes_session *session, const char *path, stokes_er
     describe_settings(&session->rendered, settings, sizeof settings);
     snprintf(seed, sizeof seed, "%" PRIu32, session->rendered.integrator.seed);
     const struct film_note notes[] = {
-        {"version", STOKES_VERSION},     {"instructionSet", instruction_set()},
-        {"settings", settings},          {"seed", seed},
-        {"workingSpace", session->color.name}, {"fingerprint", session->fingerprint},
+        {"version", STOKES_VERSION},
+        {"instructionSet", instruction_set()},
+        {"settings", settings},
+        {"seed", seed},
+        {"workingSpace", session->color.name},
+        {"fingerprint", session->fingerprint},
     };
-    return film_write_exr(session->film, &session->color.working_space, notes, sizeof notes / sizeof *notes, path, err);
+    return film_write_exr(session->film, &session->color.working_space, notes, sizeof notes / sizeof *notes,
+                          path, err);
 }
 
 /* --- PNG --------------------------------------------------------------------------------------------------- */
@@ -95,7 +101,8 @@ static bool to_display(stokes_session *session, float *rgba, size_t count, stoke
         return color_config_to_display(color->config, color->name, color->display, color->view, color->look,
                                        color->exposure, color->gamma, rgba, count, 4, err);
     stokes_error warning;
-    fail(&warning, "color", "config", "no OpenColorIO config is open; the picture is written with the sRGB curve");
+    fail(&warning, "color", "config",
+         "no OpenColorIO config is open; the picture is written with the sRGB curve");
     session_warn(session, &warning);
     display_without_config(color, rgba, count);
     return true;
@@ -109,7 +116,8 @@ static bool write_png(stokes_session *session, const char *path, stokes_error *e
     if (!rgba)
         return fail(err, path, "write", "out of memory");
     film_resolve(film, &session->color.working_space, film->end_sample - film->first_sample, rgba);
-    bool good = to_display(session, rgba, count, err) && film_write_png(film->width, film->height, rgba, path, err);
+    bool good =
+        to_display(session, rgba, count, err) && film_write_png(film->width, film->height, rgba, path, err);
     free(rgba);
     return good;
 }

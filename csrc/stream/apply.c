@@ -25,7 +25,8 @@ static bool apply_remove(const struct place *root)
     struct place kind = place_member(root, "kind");
     struct message *message = root->message;
     const char *text;
-    if (!read_text(&kind, &text) || !scene_remove(message->session->scene, text, message->object, message->err))
+    if (!read_text(&kind, &text) ||
+        !scene_remove(message->session->scene, text, message->object, message->err))
         return false;
     tally_set(message->session->outside, text, message->object, 0);
     return true;
@@ -108,19 +109,25 @@ static bool apply_kind(const struct message_kind *kind, struct message *message,
         return false;
     session->uses_colors |= kind->uses_colors;
     if (kind->uses_colors)
-        tally_set(session->outside, kind->name, message->object ? message->object : "", message->colors_outside);
+        tally_set(session->outside, kind->name, message->object ? message->object : "",
+                  message->colors_outside);
     if (kind->is_scene)
         count_for_fingerprint(message, json);
     return true;
 }
 
-bool stokes_session_apply(stokes_session *session, const char *name, bool mandatory, const char *json, size_t json_bytes,
-                          const void *blobs, size_t blob_bytes, const void *shared, size_t shared_bytes,
-                          stokes_error *err)
+bool stokes_session_apply(stokes_session *session, const char *name, bool mandatory, const char *json,
+                          size_t json_bytes, const void *blobs, size_t blob_bytes, const void *shared,
+                          size_t shared_bytes, stokes_error *err)
 {
     const struct message_kind *kind = message_kind_find(name);
-    struct message message = {.session = session, .name = name, .blobs = blobs, .blob_bytes = blob_bytes,
-                              .shared = shared, .shared_bytes = shared_bytes, .err = err};
+    struct message message = {.session = session,
+                              .name = name,
+                              .blobs = blobs,
+                              .blob_bytes = blob_bytes,
+                              .shared = shared,
+                              .shared_bytes = shared_bytes,
+                              .err = err};
     json_error_t why;
     if (!kind)
         return !mandatory || fail(err, name, "", "is an unknown message, and mandatory");

@@ -35,8 +35,8 @@ static void from_rec709(const struct working_space *space, float *rgba, size_t c
 }
 
 /* The spaces that every Blender has, for when no config is open. */
-static bool convert_without_config(const struct place *colorspace, const char *name, const struct session_color *color,
-                                   float *rgba, size_t count)
+static bool convert_without_config(const struct place *colorspace, const char *name,
+                                   const struct session_color *color, float *rgba, size_t count)
 {
     bool encoded = strcmp(name, "sRGB") == 0;
     if (strcmp(name, "Non-Color") == 0 || strcmp(name, "Raw") == 0)
@@ -60,8 +60,8 @@ static void find_mean(struct image *image)
         image->mean[i] = (float)(sum[i] / (double)count);
 }
 
-static bool convert(const struct place *colorspace, const char *name, const struct session_color *color, struct image *image,
-                    stokes_error *err)
+static bool convert(const struct place *colorspace, const char *name, const struct session_color *color,
+                    struct image *image, stokes_error *err)
 {
     size_t count = (size_t)image->width * image->height;
     if (!*name || strcmp(name, "data") == 0 || strcmp(name, color->name) == 0)
@@ -95,8 +95,8 @@ bool apply_image(const struct place *root)
     if (!read_fields(root, fields, 3, &size) || !read_choice(&format, formats, &eight_bit) ||
         (colorspace.value && !read_text(&colorspace, &space)) || !read_blob(&pixels, 1, &data, &bytes))
         return false;
-    struct image *image = image_create(message->object, size.width, size.height, size.channels, eight_bit, data, bytes,
-                                       message->err);
+    struct image *image = image_create(message->object, size.width, size.height, size.channels, eight_bit,
+                                       data, bytes, message->err);
     if (!image)
         return false;
     if (!convert(&colorspace, space, &message->session->color, image, message->err)) {

@@ -23,15 +23,15 @@ static bool read_visibility(const struct place *root, struct visibility *visible
     };
     struct place place = place_member(root, "visible");
     *visible = (struct visibility){true, true, true, true, true};
-    return !place.value ||
-           (place_is(&place, JSON_OBJECT) && read_fields(&place, fields, sizeof fields / sizeof *fields, visible));
+    return !place.value || (place_is(&place, JSON_OBJECT) &&
+                            read_fields(&place, fields, sizeof fields / sizeof *fields, visible));
 }
 
 /* --- Mesh -------------------------------------------------------------------------------------------------- */
 
 /* A blob of `count` items (any number, if it is 0) or nothing. */
-static bool read_optional_blob(const struct place *root, const char *key, size_t size, size_t expected, const void **data,
-                               size_t *count)
+static bool read_optional_blob(const struct place *root, const char *key, size_t size, size_t expected,
+                               const void **data, size_t *count)
 {
     struct place place = place_member(root, key);
     *data = NULL;
@@ -108,8 +108,8 @@ static bool read_mesh(const struct place *root, struct mesh_input *mesh, struct 
     size_t expected = mesh->triangle_count;
     if (!read_optional_blob(root, "corners", 3 * sizeof(uint32_t), expected, &corner_data, &count) ||
         !read_optional_blob(root, "material_index", sizeof(uint32_t), expected, &material_data, &count) ||
-        !read_optional_blob(root, "corner_normals", 3 * sizeof(float), corner_data ? 0 : 3 * expected, &normal_data,
-                            &normals))
+        !read_optional_blob(root, "corner_normals", 3 * sizeof(float), corner_data ? 0 : 3 * expected,
+                            &normal_data, &normals))
         return false;
     mesh->corner_count = corner_data ? count_corners(root, normals) : 3 * expected;
     if (!read_uv_layers(root, mesh->corner_count, layers, &mesh->uv_count))
@@ -128,7 +128,8 @@ bool apply_mesh(const struct place *root)
     struct message *message = root->message;
     struct mesh_input mesh = {.name = message->object};
     struct mesh_uv *layers = NULL;
-    bool good = read_mesh(root, &mesh, &layers) && scene_add_mesh(message->session->scene, &mesh, message->err);
+    bool good =
+        read_mesh(root, &mesh, &layers) && scene_add_mesh(message->session->scene, &mesh, message->err);
     free(layers);
     return good;
 }
@@ -179,14 +180,16 @@ static bool read_light(const struct place *root, struct light_input *light)
     static const struct field common[] = {
         {"transform", FIELD_FLOAT, true, offsetof(struct light_input, transform), 12, FINITE},
     };
-    static const struct field area[] = {{"size", FIELD_FLOAT, true, offsetof(struct light_input, size), 2, 0, FLT_MAX}};
+    static const struct field area[] = {
+        {"size", FIELD_FLOAT, true, offsetof(struct light_input, size), 2, 0, FLT_MAX}};
     static const struct field sphere[] = {
         {"radius", FIELD_FLOAT, true, offsetof(struct light_input, radius), 0, 0, FLT_MAX}};
     static const struct field spot[] = {
         {"radius", FIELD_FLOAT, false, offsetof(struct light_input, radius), 0, 0, FLT_MAX},
         {"angle", FIELD_FLOAT, true, offsetof(struct light_input, angle), 0, 0, 6.2832},
         {"blend", FIELD_FLOAT, false, offsetof(struct light_input, blend), 0, 0, 1}};
-    static const struct field sun[] = {{"angle", FIELD_FLOAT, false, offsetof(struct light_input, angle), 0, 0, 6.2832}};
+    static const struct field sun[] = {
+        {"angle", FIELD_FLOAT, false, offsetof(struct light_input, angle), 0, 0, 6.2832}};
     struct place kind = place_member(root, "kind");
     int shape;
     if (!read_choice(&kind, light_kinds, &shape) || !read_fields(root, common, 1, light) ||
@@ -249,8 +252,8 @@ static bool check_border(const struct place *root, const struct camera_input *ca
     const int *b = camera->border, *size = camera->resolution;
     if (b[0] < b[2] && b[1] < b[3] && b[2] <= size[0] && b[3] <= size[1])
         return true;
-    return place_fail(&place, "[%d, %d, %d, %d] is no rectangle within %d x %d pixels", b[0], b[1], b[2], b[3], size[0],
-                      size[1]);
+    return place_fail(&place, "[%d, %d, %d, %d] is no rectangle within %d x %d pixels", b[0], b[1], b[2],
+                      b[3], size[0], size[1]);
 }
 
 bool apply_camera(const struct place *root)

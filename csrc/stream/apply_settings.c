@@ -82,7 +82,8 @@ static bool read_choices(const struct place *root, struct session_settings *sett
     struct place name = place_member(root, "integrator"), kernel = place_member(root, "kernel");
     struct place side = place_member(root, "mollify_side"), uv_rule = place_member(root, "uv_rule");
     const char *integrator;
-    int chosen_kernel = (int)s->kernel, chosen_side = (int)s->mollify_side, chosen_rule = (int)settings->uv_rule;
+    int chosen_kernel = (int)s->kernel, chosen_side = (int)s->mollify_side,
+        chosen_rule = (int)settings->uv_rule;
     if (name.value) {
         if (!read_text(&name, &integrator))
             return false;
@@ -167,7 +168,8 @@ static bool read_working_space(const struct place *root, struct session_color *c
         return working_space_set(&color->working_space, m, &why) || place_fail(&matrix, "%s", why.text);
     }
     if (color->config)
-        return color_config_working_space(color->config, color->name, &color->working_space, root->message->err);
+        return color_config_working_space(color->config, color->name, &color->working_space,
+                                          root->message->err);
     working_space_rec709(&color->working_space);
     return true;
 }
@@ -182,13 +184,15 @@ bool apply_color(const struct place *root)
     struct session_color color = {.gamma = 1};
     struct place path_place = place_member(root, "config");
     const char *path = "";
-    if ((path_place.value && !read_text(&path_place, &path)) || !read_name(root, "working_space", color.name) ||
-        !read_name(root, "display", color.display) || !read_name(root, "view", color.view) ||
-        !read_name(root, "look", color.look) || !read_fields(root, fields, 2, &color))
+    if ((path_place.value && !read_text(&path_place, &path)) ||
+        !read_name(root, "working_space", color.name) || !read_name(root, "display", color.display) ||
+        !read_name(root, "view", color.view) || !read_name(root, "look", color.look) ||
+        !read_fields(root, fields, 2, &color))
         return false;
     color.config = open_config(root, path);
     bool good = read_working_space(root, &color);
-    bool changes = memcmp(&color.working_space, &session->color.working_space, sizeof color.working_space) != 0;
+    bool changes =
+        memcmp(&color.working_space, &session->color.working_space, sizeof color.working_space) != 0;
     if (!good || !check_order(root, changes, "the working space")) {
         session_color_clear(&color);
         return false;

@@ -53,8 +53,10 @@ static bool read_ior(const struct place *place, struct ior *ior)
         return read_sellmeier(&sellmeier, ior->term);
     }
     if (library.value)
-        return read_text(&library, &name) && (ior_library(name, ior) || place_fail(&library, "'%.100s' is unknown", name));
-    return place_fail(place, "is no index of refraction (a number, n_d and abbe, cauchy, sellmeier or library)");
+        return read_text(&library, &name) &&
+               (ior_library(name, ior) || place_fail(&library, "'%.100s' is unknown", name));
+    return place_fail(place,
+                      "is no index of refraction (a number, n_d and abbe, cauchy, sellmeier or library)");
 }
 
 /* --- A BSDF by its signature --------------------------------------------------------------------------------- */
@@ -65,7 +67,8 @@ static enum beyond beyond_of(const char *color)
     return strcmp(color, "absorption") == 0 || strcmp(color, "emission") == 0 ? BEYOND_ZERO : BEYOND_HOLD;
 }
 
-static bool read_colors(const struct place *place, const struct bsdf_signature *signature, struct closure *closure)
+static bool read_colors(const struct place *place, const struct bsdf_signature *signature,
+                        struct closure *closure)
 {
     for (int i = 0; i < CLOSURE_COLORS && signature->color_names[i]; i++) {
         struct place member = place_member(place, signature->color_names[i]);
@@ -78,7 +81,8 @@ static bool read_colors(const struct place *place, const struct bsdf_signature *
     return true;
 }
 
-static bool read_values(const struct place *place, const struct bsdf_signature *signature, struct closure *closure)
+static bool read_values(const struct place *place, const struct bsdf_signature *signature,
+                        struct closure *closure)
 {
     for (int i = 0; i < CLOSURE_VALUES && signature->value_names[i]; i++) {
         struct place member = place_member(place, signature->value_names[i]);
@@ -103,13 +107,16 @@ static bool read_option(const struct place *place, const char *const choices[4],
             *chosen = i;
             return true;
         }
-    return place_fail(place, "'%s' is not one of %s%s%s%s%s%s%s", written, choices[0], choices[1] ? ", " : "",
-                      choices[1] ? choices[1] : "", choices[1] && choices[2] ? ", " : "",
-                      choices[1] && choices[2] ? choices[2] : "", choices[1] && choices[2] && choices[3] ? ", " : "",
-                      choices[1] && choices[2] && choices[3] ? choices[3] : "");
+    char list[128] = "";
+    for (int i = 0; i < 4 && choices[i]; i++) {
+        strncat(list, i ? ", " : "", sizeof list - strlen(list) - 1);
+        strncat(list, choices[i], sizeof list - strlen(list) - 1);
+    }
+    return place_fail(place, "'%s' is not one of %s", written, list);
 }
 
-static bool read_options(const struct place *place, const struct bsdf_signature *signature, struct closure *closure)
+static bool read_options(const struct place *place, const struct bsdf_signature *signature,
+                         struct closure *closure)
 {
     for (int i = 0; i < 4 && signature->option_names[i]; i++) {
         struct place member = place_member(place, signature->option_names[i]);
@@ -126,7 +133,8 @@ static bool read_options(const struct place *place, const struct bsdf_signature 
 }
 
 /* `metal` stands for the library's η and k. */
-static bool read_metal(const struct place *place, const struct bsdf_signature *signature, struct closure *closure)
+static bool read_metal(const struct place *place, const struct bsdf_signature *signature,
+                       struct closure *closure)
 {
     struct place metal = place_member(place, "metal");
     const char *name;

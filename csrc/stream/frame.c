@@ -42,7 +42,8 @@ struct head {
     uint64_t json_bytes, blob_bytes;
 };
 
-static bool read_head(const unsigned char *bytes, struct stream_frame *frame, struct head *head, stokes_error *err)
+static bool read_head(const unsigned char *bytes, struct stream_frame *frame, struct head *head,
+                      stokes_error *err)
 {
     if (memcmp(bytes, FRAME_MAGIC, 4) != 0)
         return fail(err, "stream", "magic", "a frame does not begin with " FRAME_MAGIC);
@@ -55,15 +56,17 @@ static bool read_head(const unsigned char *bytes, struct stream_frame *frame, st
     if (flags & ~(uint64_t)1)
         return fail(err, frame->name, "flags", "unknown flags %#llx", (unsigned long long)flags);
     if (head->json_bytes > FRAME_JSON_MAX)
-        return fail(err, frame->name, "json", "%llu bytes; at most 64 MiB are taken", (unsigned long long)head->json_bytes);
+        return fail(err, frame->name, "json", "%llu bytes; at most 64 MiB are taken",
+                    (unsigned long long)head->json_bytes);
     if (head->blob_bytes > FRAME_BLOB_MAX)
-        return fail(err, frame->name, "blob", "%llu bytes; at most 64 GiB are taken", (unsigned long long)head->blob_bytes);
+        return fail(err, frame->name, "blob", "%llu bytes; at most 64 GiB are taken",
+                    (unsigned long long)head->blob_bytes);
     return true;
 }
 
 /* Reads `bytes` and their padding. Yours; never NULL on success. */
-static unsigned char *read_area(frame_source read, void *user, uint64_t bytes, const char *name, const char *area,
-                                stokes_error *err)
+static unsigned char *read_area(frame_source read, void *user, uint64_t bytes, const char *name,
+                                const char *area, stokes_error *err)
 {
     uint64_t total = bytes + padding(bytes), have = 0;
     size_t room = total < FIRST_READ ? (size_t)total : FIRST_READ;
@@ -99,7 +102,8 @@ enum frame_result frame_read(frame_source read, void *user, struct stream_frame 
     if (got == 0)
         return FRAME_END;
     if (got < sizeof bytes) {
-        fail(err, "stream", "head", "the stream ends after %zu of %d bytes of a frame's head", got, FRAME_HEAD_BYTES);
+        fail(err, "stream", "head", "the stream ends after %zu of %d bytes of a frame's head", got,
+             FRAME_HEAD_BYTES);
         return FRAME_BROKEN;
     }
     if (!read_head(bytes, frame, &head, err))
@@ -123,7 +127,8 @@ void frame_free(struct stream_frame *frame)
     *frame = (struct stream_frame){0};
 }
 
-unsigned char *frame_build(const char *name, bool mandatory, const char *json, size_t json_bytes, size_t *bytes)
+unsigned char *frame_build(const char *name, bool mandatory, const char *json, size_t json_bytes,
+                           size_t *bytes)
 {
     *bytes = FRAME_HEAD_BYTES + json_bytes + padding(json_bytes);
     unsigned char *frame = calloc(1, *bytes);

@@ -31,7 +31,8 @@ enum frame_result frame_read(frame_source, void *user, struct stream_frame *, st
 void frame_free(struct stream_frame *);
 
 /* A whole frame without blobs, padded. Yours: free. NULL without memory. */
-unsigned char *frame_build(const char *name, bool mandatory, const char *json, size_t json_bytes, size_t *bytes);
+unsigned char *frame_build(const char *name, bool mandatory, const char *json, size_t json_bytes,
+                           size_t *bytes);
 
 /* Bytes in memory as a source. */
 struct frame_memory {

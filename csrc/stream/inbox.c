@@ -153,7 +153,8 @@ void inbox_close(struct inbox *inbox)
     free(inbox);
 }
 
-enum frame_result inbox_take(struct inbox *inbox, struct stream_frame *frame, uint64_t *number, stokes_error *err)
+enum frame_result inbox_take(struct inbox *inbox, struct stream_frame *frame, uint64_t *number,
+                             stokes_error *err)
 {
     pthread_mutex_lock(&inbox->lock);
     while (!inbox->first && inbox->result == FRAME_READ)

@@ -22,8 +22,8 @@ static bool replay(stokes_session *session, const struct stream_frame *frame, st
     if (strcmp(frame->name, "cancel") == 0 || strcmp(frame->name, "quit") == 0)
         return true;
     if (strcmp(frame->name, "render") != 0)
-        return stokes_session_apply(session, frame->name, frame->mandatory, frame->json, frame->json_bytes, frame->blobs,
-                                    frame->blob_bytes, NULL, 0, err);
+        return stokes_session_apply(session, frame->name, frame->mandatory, frame->json, frame->json_bytes,
+                                    frame->blobs, frame->blob_bytes, NULL, 0, err);
     struct render_request request;
     if (!render_request_read(frame, &request, err))
         return false;
@@ -59,7 +59,8 @@ static void print_frame(const struct stream_frame *frame)
 {
     json_t *json = json_loadb(frame->json, frame->json_bytes, 0, NULL);
     const char *name = json_string_value(json_object_get(json, "name"));
-    printf("%-12s %-32s json %zu, blobs %zu bytes\n", frame->name, name ? name : "", frame->json_bytes, frame->blob_bytes);
+    printf("%-12s %-32s json %zu, blobs %zu bytes\n", frame->name, name ? name : "", frame->json_bytes,
+           frame->blob_bytes);
     json_decref(json);
 }
 
@@ -86,12 +87,14 @@ static bool list_exr(const char *path, stokes_error *err)
     struct film *film = film_read_exr(path, fingerprint, sizeof fingerprint, err);
     if (!film)
         return false;
-    printf("film: %d x %d pixels at %d, %d of %d x %d\n", film->width, film->height, film->x0, film->y0, film->full_width,
-           film->full_height);
+    printf("film: %d x %d pixels at %d, %d of %d x %d\n", film->width, film->height, film->x0, film->y0,
+           film->full_width, film->full_height);
     printf("samples: %d to %d of each pixel\n", film->first_sample, film->end_sample);
     if (film->bins > 0)
-        printf("bins: %d from %g to %g nm\n", film->bins, (double)film->bin_range.min, (double)film->bin_range.max);
-    printf("saturated sums: %" PRIu64 ", rejected contributions: %" PRIu64 "\n", film->saturated, film->rejected);
+        printf("bins: %d from %g to %g nm\n", film->bins, (double)film->bin_range.min,
+               (double)film->bin_range.max);
+    printf("saturated sums: %" PRIu64 ", rejected contributions: %" PRIu64 "\n", film->saturated,
+           film->rejected);
     film_destroy(film);
     return film_read_notes(path, NULL, print_note, NULL, err);
 }

@@ -189,7 +189,8 @@ bool read_blob(const struct place *place, size_t size, const void **data, size_t
         return false;
     struct message *message = place->message;
     bool shared = place_has(place, "shared");
-    struct place at_place = place_member(place, shared ? "shared" : "at"), bytes_place = place_member(place, "bytes");
+    struct place at_place = place_member(place, shared ? "shared" : "at"),
+                 bytes_place = place_member(place, "bytes");
     double at, bytes, area = (double)(shared ? message->shared_bytes : message->blob_bytes);
     if (!read_whole(&at_place, 0, 0x1p53, &at) || !read_whole(&bytes_place, 0, 0x1p53, &bytes))
         return false;
@@ -240,7 +241,8 @@ static bool read_field(const struct place *place, const struct field *field, voi
     if (!place_is(place, JSON_ARRAY))
         return false;
     if (json_array_size(place->value) != field->count)
-        return place_fail(place, "has %zu numbers; %zu are wanted", json_array_size(place->value), field->count);
+        return place_fail(place, "has %zu numbers; %zu are wanted", json_array_size(place->value),
+                          field->count);
     for (size_t i = 0; i < field->count; i++) {
         struct place element = place_element(place, i);
         if (!read_field_value(&element, field, i, out))

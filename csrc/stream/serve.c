@@ -39,7 +39,8 @@ static void reply(struct server *server, const char *name, json_t *members)
 
 static void reply_error(struct server *server, const stokes_error *err, const uint64_t *of)
 {
-    json_t *members = json_pack("{s:s, s:s, s:s}", "object", err->object, "property", err->property, "text", err->text);
+    json_t *members =
+        json_pack("{s:s, s:s, s:s}", "object", err->object, "property", err->property, "text", err->text);
     if (members && of)
         json_object_set_new(members, "of", json_integer((json_int_t)*of));
     reply(server, "error", members);
@@ -52,8 +53,9 @@ static void reply_done(struct server *server, uint64_t number)
 
 static void on_warning(void *user, const stokes_error *what)
 {
-    reply(user, "warning",
-          json_pack("{s:s, s:s, s:s}", "object", what->object, "property", what->property, "text", what->text));
+    reply(
+        user, "warning",
+        json_pack("{s:s, s:s, s:s}", "object", what->object, "property", what->property, "text", what->text));
 }
 
 static void on_progress(void *user, int sample, int samples, double seconds, double remaining)
@@ -61,8 +63,8 @@ static void on_progress(void *user, int sample, int samples, double seconds, dou
     char text[64];
     snprintf(text, sizeof text, "Sample %d/%d", sample, samples);
     reply(user, "progress",
-          json_pack("{s:i, s:i, s:f, s:f, s:s}", "sample", sample, "samples", samples, "seconds", seconds, "remaining",
-                    remaining, "text", text));
+          json_pack("{s:i, s:i, s:f, s:f, s:s}", "sample", sample, "samples", samples, "seconds", seconds,
+                    "remaining", remaining, "text", text));
 }
 
 static void on_tile(void *user, const int rect[4], int samples)
@@ -91,15 +93,16 @@ static json_t *report_lines(const stokes_session *session)
     return lines;
 }
 
-static bool find_picture(struct server *server, const struct render_request *request, float **picture, size_t *floats,
-                         stokes_error *err)
+static bool find_picture(struct server *server, const struct render_request *request, float **picture,
+                         size_t *floats, stokes_error *err)
 {
     *picture = NULL;
     *floats = 0;
     if (!request->has_film)
         return true;
     if (server->film_fd < 0 || request->film_fd != server->film_fd)
-        return fail(err, "render", "film.shared_fd", "descriptor %d was not handed down by --film", request->film_fd);
+        return fail(err, "render", "film.shared_fd", "descriptor %d was not handed down by --film",
+                    request->film_fd);
     if (!os_memory_map(&server->film, server->film_fd, true, err))
         return false;
     if (request->film_bytes > server->film.bytes)
@@ -110,7 +113,8 @@ static bool find_picture(struct server *server, const struct render_request *req
     return true;
 }
 
-static bool render(struct server *server, const struct stream_frame *frame, uint64_t number, stokes_error *err)
+static bool render(struct server *server, const struct stream_frame *frame, uint64_t number,
+                   stokes_error *err)
 {
     struct render_request request;
     float *picture;
@@ -131,7 +135,8 @@ static bool render(struct server *server, const struct stream_frame *frame, uint
 
 /* --- The loop ---------------------------------------------------------------------------------------------- */
 
-static bool handle(struct server *server, const struct stream_frame *frame, uint64_t number, stokes_error *err)
+static bool handle(struct server *server, const struct stream_frame *frame, uint64_t number,
+                   stokes_error *err)
 {
     if (strcmp(frame->name, "cancel") == 0 || strcmp(frame->name, "quit") == 0)
         return true;
@@ -139,8 +144,9 @@ static bool handle(struct server *server, const struct stream_frame *frame, uint
         return render(server, frame, number, err);
     if (server->memory_fd >= 0 && !os_memory_map(&server->memory, server->memory_fd, false, err))
         return false;
-    return stokes_session_apply(server->session, frame->name, frame->mandatory, frame->json, frame->json_bytes,
-                                frame->blobs, frame->blob_bytes, server->memory.data, server->memory.bytes, err);
+    return stokes_session_apply(server->session, frame->name, frame->mandatory, frame->json,
+                                frame->json_bytes, frame->blobs, frame->blob_bytes, server->memory.data,
+                                server->memory.bytes, err);
 }
 
 /* Returns the exit status. */
@@ -167,9 +173,15 @@ static int serve(struct server *server)
 
 int stokes_serve(int in_fd, int out_fd, int memory_fd, int film_fd)
 {
-    struct server server = {.out_fd = out_fd, .memory_fd = memory_fd, .film_fd = film_fd,
-                            .memory = {.fd = -1}, .film = {.fd = -1}};
-    const stokes_listener listener = {.user = &server, .warning = on_warning, .progress = on_progress, .tile = on_tile,
+    struct server server = {.out_fd = out_fd,
+                            .memory_fd = memory_fd,
+                            .film_fd = film_fd,
+                            .memory = {.fd = -1},
+                            .film = {.fd = -1}};
+    const stokes_listener listener = {.user = &server,
+                                      .warning = on_warning,
+                                      .progress = on_progress,
+                                      .tile = on_tile,
                                       .cancelled = on_cancelled};
     int status = 1;
     signal(SIGPIPE, SIG_IGN); /* a parent that reads no more is seen by write */

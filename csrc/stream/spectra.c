@@ -29,7 +29,8 @@ struct spectrum *rgb_spectrum(struct message *message, const float rgb[3])
 static struct spectrum *or_fail(const struct place *place, struct spectrum *spectrum, const stokes_error *why)
 {
     if (!spectrum)
-        place_fail(place, "%s%s%s", why->property, *why->property ? ": " : "", *why->text ? why->text : "out of memory");
+        place_fail(place, "%s%s%s", why->property, *why->property ? ": " : "",
+                   *why->text ? why->text : "out of memory");
     return spectrum;
 }
 
@@ -72,7 +73,8 @@ static bool read_numbers(const struct place *place, const float **values, size_t
         if (!read_floats(place, *owned, *count))
             return false;
     }
-    return *count <= KNOTS_MAX || place_fail(place, "has %zu numbers; at most %zu are taken", *count, KNOTS_MAX);
+    return *count <= KNOTS_MAX ||
+           place_fail(place, "has %zu numbers; at most %zu are taken", *count, KNOTS_MAX);
 }
 
 static struct spectrum *read_table(const struct place *place, enum beyond beyond)
@@ -88,9 +90,10 @@ static struct spectrum *read_table(const struct place *place, enum beyond beyond
         if (count != value_count || count < 1)
             place_fail(place, "has %zu wavelengths and %zu values", count, value_count);
         else
-            spectrum = or_fail(place,
-                               spectrum_table(message_range(place->message), lambdas, values, count, beyond, "table", &why),
-                               &why);
+            spectrum = or_fail(
+                place,
+                spectrum_table(message_range(place->message), lambdas, values, count, beyond, "table", &why),
+                &why);
     }
     free(own_lambdas);
     free(own_values);
@@ -108,7 +111,8 @@ static struct spectrum *read_kelvin(const struct place *place,
 }
 
 static struct spectrum *read_named(const struct place *place,
-                                   struct spectrum *make(struct range, const char *, const char *, stokes_error *))
+                                   struct spectrum *make(struct range, const char *, const char *,
+                                                         stokes_error *))
 {
     const char *name;
     stokes_error why = {0};
@@ -128,7 +132,8 @@ static struct spectrum *read_gaussian(const struct place *place)
     stokes_error why = {0};
     if (!place_is(place, JSON_OBJECT) || !read_fields(place, fields, 3, g))
         return NULL;
-    return or_fail(place, spectrum_gaussian(message_range(place->message), g[0], g[1], g[2], "gaussian", &why), &why);
+    return or_fail(
+        place, spectrum_gaussian(message_range(place->message), g[0], g[1], g[2], "gaussian", &why), &why);
 }
 
 static struct spectrum *read_line(const struct place *place)

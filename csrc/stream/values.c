@@ -69,7 +69,8 @@ static struct value_node *node(const struct place *place, enum value_kind kind, 
     return value;
 }
 
-static struct value_node *read_constant(const struct place *place, enum value_kind kind, double low, double high)
+static struct value_node *read_constant(const struct place *place, enum value_kind kind, double low,
+                                        double high)
 {
     double value;
     return read_number(place, low, high, &value) ? node(place, kind, value) : NULL;

@@ -222,7 +222,8 @@ static void neighbouring_addresses_are_unrelated(void **state)
         double sum = 0;
         for (uint32_t i = 0; i < COUNT; i++) {
             struct random_path here = random_path(7, i, 3);
-            struct random_path there = random_path(argument == 0 ? 8 : 7, i + (argument == 1), argument == 2 ? 4 : 3);
+            struct random_path there =
+                random_path(argument == 0 ? 8 : 7, i + (argument == 1), argument == 2 ? 4 : 3);
             sum += (random_at(here, 5) - 0.5) * (random_at(there, argument == 3 ? 6 : 5) - 0.5) * 12;
         }
         assert_true(sum * sum / COUNT < 5.3 * 5.3);

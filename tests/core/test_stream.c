@@ -19,8 +19,8 @@
 
 /* --- Help -------------------------------------------------------------------------------------------------- */
 
-static bool send_with(stokes_session *session, const char *name, const char *json, const void *blobs, size_t bytes,
-                      stokes_error *err)
+static bool send_with(stokes_session *session, const char *name, const char *json, const void *blobs,
+                      size_t bytes, stokes_error *err)
 {
     return stokes_session_apply(session, name, true, json, strlen(json), blobs, bytes, NULL, 0, err);
 }
@@ -124,7 +124,7 @@ static void a_strange_head_is_broken(void **state)
         size_t at;
         unsigned char byte;
         const char *property;
-    } faults[] = {{0, 'x', "magic"}, {4, 3, "flags"},   {8, 0, "name"},  {8, 0x80, "name"},
+    } faults[] = {{0, 'x', "magic"}, {4, 3, "flags"},    {8, 0, "name"},    {8, 0x80, "name"},
                   {14, 'x', "name"}, {39, 0x80, "json"}, {47, 0x80, "blob"}};
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
         size_t bytes;
@@ -145,19 +145,29 @@ static void every_form_of_a_spectrum_has_its_value(void **state)
 {
     (void)state;
     assert_float_equal(spectrum_at("0.25", BEYOND_HOLD, 550), 0.25, 1e-6);
-    assert_float_equal(spectrum_at("{\"table\": {\"lambda\": [400, 600], \"value\": [0, 1]}}", BEYOND_HOLD, 450), 0.25, 1e-6);
-    assert_float_equal(spectrum_at("{\"gaussian\": {\"mean\": 500, \"sigma\": 20, \"peak\": 2}}", BEYOND_ZERO, 520),
-                       2 * exp(-0.5), 1e-2);
-    assert_float_equal(spectrum_at("{\"line\": {\"center\": 500, \"width\": 10}}", BEYOND_ZERO, 504), 1, 1e-6);
-    assert_float_equal(spectrum_at("{\"line\": {\"center\": 500, \"width\": 10}}", BEYOND_ZERO, 506), 0, 1e-6);
-    assert_float_equal(spectrum_at("{\"scale\": 3, \"of\": {\"scale\": 0.5, \"of\": 0.5}}", BEYOND_HOLD, 400), 0.75, 1e-6);
-    assert_float_equal(spectrum_at("{\"sum\": [0.1, 0.2, 0.3]}", BEYOND_HOLD, 700), 0.6, 1e-6);
-    assert_float_equal(spectrum_at("{\"product\": [0.5, {\"line\": {\"center\": 500, \"width\": 10}}]}", BEYOND_ZERO, 500), 0.5,
+    assert_float_equal(
+        spectrum_at("{\"table\": {\"lambda\": [400, 600], \"value\": [0, 1]}}", BEYOND_HOLD, 450), 0.25,
+        1e-6);
+    assert_float_equal(
+        spectrum_at("{\"gaussian\": {\"mean\": 500, \"sigma\": 20, \"peak\": 2}}", BEYOND_ZERO, 520),
+        2 * exp(-0.5), 1e-2);
+    assert_float_equal(spectrum_at("{\"line\": {\"center\": 500, \"width\": 10}}", BEYOND_ZERO, 504), 1,
                        1e-6);
+    assert_float_equal(spectrum_at("{\"line\": {\"center\": 500, \"width\": 10}}", BEYOND_ZERO, 506), 0,
+                       1e-6);
+    assert_float_equal(spectrum_at("{\"scale\": 3, \"of\": {\"scale\": 0.5, \"of\": 0.5}}", BEYOND_HOLD, 400),
+                       0.75, 1e-6);
+    assert_float_equal(spectrum_at("{\"sum\": [0.1, 0.2, 0.3]}", BEYOND_HOLD, 700), 0.6, 1e-6);
+    assert_float_equal(
+        spectrum_at("{\"product\": [0.5, {\"line\": {\"center\": 500, \"width\": 10}}]}", BEYOND_ZERO, 500),
+        0.5, 1e-6);
     assert_float_equal(spectrum_at("{\"rgb\": [0.5, 0.5, 0.5]}", BEYOND_HOLD, 550), 0.5, 1e-2);
-    assert_true(spectrum_at("{\"blackbody\": 3000}", BEYOND_ZERO, 700) > spectrum_at("{\"blackbody\": 3000}", BEYOND_ZERO, 450));
-    assert_true(spectrum_at("{\"illuminant\": \"A\"}", BEYOND_ZERO, 700) > spectrum_at("{\"illuminant\": \"A\"}", BEYOND_ZERO, 450));
-    assert_true(spectrum_at("{\"daylight\": 9000}", BEYOND_ZERO, 450) > spectrum_at("{\"daylight\": 9000}", BEYOND_ZERO, 700));
+    assert_true(spectrum_at("{\"blackbody\": 3000}", BEYOND_ZERO, 700) >
+                spectrum_at("{\"blackbody\": 3000}", BEYOND_ZERO, 450));
+    assert_true(spectrum_at("{\"illuminant\": \"A\"}", BEYOND_ZERO, 700) >
+                spectrum_at("{\"illuminant\": \"A\"}", BEYOND_ZERO, 450));
+    assert_true(spectrum_at("{\"daylight\": 9000}", BEYOND_ZERO, 450) >
+                spectrum_at("{\"daylight\": 9000}", BEYOND_ZERO, 700));
 }
 
 static void a_table_ends_as_its_place_says(void **state)
@@ -237,11 +247,13 @@ static void total_is_the_integral_and_per_nm_the_value(void **state)
 {
     (void)state;
     struct reading reading;
-    struct emission_node *total = emission_of(&reading, "{\"shape\": {\"illuminant\": \"F11\"}, \"scale\": 5}");
+    struct emission_node *total =
+        emission_of(&reading, "{\"shape\": {\"illuminant\": \"F11\"}, \"scale\": 5}");
     assert_float_equal(spectrum_integral(total->spectrum), 5, 1e-4);
     emission_node_destroy(total);
     end_reading(&reading);
-    struct emission_node *per_nm = emission_of(&reading, "{\"shape\": 0.5, \"scale\": 4, \"unit\": \"per_nm\"}");
+    struct emission_node *per_nm =
+        emission_of(&reading, "{\"shape\": 0.5, \"scale\": 4, \"unit\": \"per_nm\"}");
     assert_float_equal(spectrum_eval(per_nm->spectrum, 500), 2, 1e-6);
     emission_node_destroy(per_nm);
     end_reading(&reading);
@@ -251,8 +263,9 @@ static void emissions_add(void **state)
 {
     (void)state;
     struct reading reading;
-    struct emission_node *sum = emission_of(&reading, "{\"sum\": [{\"shape\": 1, \"scale\": 2}, {\"rgb\": [0, 0, 0]},"
-                                                      " {\"sum\": [{\"shape\": {\"blackbody\": 3000}, \"scale\": 3}]}]}");
+    struct emission_node *sum =
+        emission_of(&reading, "{\"sum\": [{\"shape\": 1, \"scale\": 2}, {\"rgb\": [0, 0, 0]},"
+                              " {\"sum\": [{\"shape\": {\"blackbody\": 3000}, \"scale\": 3}]}]}");
     assert_float_equal(spectrum_integral(sum->spectrum), 5, 1e-4);
     emission_node_destroy(sum);
     end_reading(&reading);
@@ -263,8 +276,8 @@ static void emissions_add(void **state)
 static void every_bsdf_of_the_page_is_read_with_its_defaults(void **state)
 {
     (void)state;
-    static const char *const names[] = {"diffuse", "fluorescent", "dielectric", "conductor", "glossy", "transparent",
-                                        "translucent", "principled"};
+    static const char *const names[] = {"diffuse", "fluorescent", "dielectric",  "conductor",
+                                        "glossy",  "transparent", "translucent", "principled"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char json[64];
         struct reading reading;
@@ -297,8 +310,9 @@ static void a_fault_is_named_by_its_path(void **state)
 {
     (void)state;
     struct reading reading;
-    struct place place = start_reading(&reading, "{\"add\": [null, {\"mix\": [null, {\"bsdf\": \"diffuse\", \"reflectance\":"
-                                                 " {\"sum\": [0.1, {\"rgb\": [1, 2, \"x\"]}]}}], \"factor\": 0}]}");
+    struct place place =
+        start_reading(&reading, "{\"add\": [null, {\"mix\": [null, {\"bsdf\": \"diffuse\", \"reflectance\":"
+                                " {\"sum\": [0.1, {\"rgb\": [1, 2, \"x\"]}]}}], \"factor\": 0}]}");
     assert_null(read_closure(&place, EXPRESSION_DEPTH));
     assert_string_equal(reading.err.object, "thing");
     assert_memory_equal(reading.err.property, "add[1].mix[1].reflectance.sum[1].rgb[2]", 39);
@@ -309,7 +323,8 @@ static void a_product_of_values_is_a_chain_of_pairs(void **state)
 {
     (void)state;
     struct reading reading;
-    struct place place = start_reading(&reading, "{\"product\": [0.5, {\"facing\": 0.3}, {\"scale\": 2, \"offset\": 1, \"of\": 4}]}");
+    struct place place = start_reading(
+        &reading, "{\"product\": [0.5, {\"facing\": 0.3}, {\"scale\": 2, \"offset\": 1, \"of\": 4}]}");
     struct value_node *value = read_value(&place, EXPRESSION_DEPTH);
     assert_non_null(value);
     assert_int_equal(value->kind, VALUE_PRODUCT);
@@ -325,7 +340,9 @@ static void a_product_of_values_is_a_chain_of_pairs(void **state)
 /* --- Sessions ---------------------------------------------------------------------------------------------- */
 
 static const float square[12] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
-#define MESH_JSON "{\"name\": \"Cube\", \"positions\": {\"at\": 0, \"bytes\": 48}, \"triangles\": {\"at\": 48, \"bytes\": 24}}"
+#define MESH_JSON                                                                                            \
+    "{\"name\": \"Cube\", \"positions\": {\"at\": 0, \"bytes\": 48}, \"triangles\": {\"at\": 48, "           \
+    "\"bytes\": 24}}"
 
 static void send_mesh(stokes_session *session, uint32_t last_index, bool expected)
 {
@@ -351,7 +368,8 @@ static void a_failed_frame_changes_nothing(void **state)
         {"settings", "{\"integrator\": \"pt\", \"techniques\": [[2, 2], [1]]}"},
         {"color", "{\"display\": \"sRGB\", \"rgb_to_xyz\": [1, 2, 3]}"},
         {"color", "{\"rgb_to_xyz\": [1, 1, 1, 1, 1, 1, 1, 1, 1]}"},
-        {"material", "{\"name\": \"m\", \"surface\": {\"bsdf\": \"diffuse\", \"reflectance\": {\"rgb\": [9, 0, 0]}, \"roughness\": []}}"},
+        {"material", "{\"name\": \"m\", \"surface\": {\"bsdf\": \"diffuse\", \"reflectance\": {\"rgb\": [9, "
+                     "0, 0]}, \"roughness\": []}}"},
         {"light", "{\"name\": \"l\", \"kind\": \"point\", \"emission\": {\"rgb\": [1, 1, 1]}}"},
         {"camera", "{\"kind\": \"fisheye\"}"},
         {"world", "{\"kind\": \"constant\", \"emission\": {\"rgb\": [9, 9]}}"},
@@ -386,8 +404,10 @@ static void settings_that_are_not_named_stay(void **state)
     (void)state;
     stokes_session *session = greeted();
     stokes_error err;
-    assert_true(send(session, "settings", "{\"seed\": 7, \"techniques\": [[2, 1]], \"mollify_side\": \"camera\"}", &err));
-    assert_true(send(session, "settings", "{\"spectral_bins\": {\"count\": 8, \"min\": 400, \"max\": 700}}", &err));
+    assert_true(send(session, "settings",
+                     "{\"seed\": 7, \"techniques\": [[2, 1]], \"mollify_side\": \"camera\"}", &err));
+    assert_true(
+        send(session, "settings", "{\"spectral_bins\": {\"count\": 8, \"min\": 400, \"max\": 700}}", &err));
     assert_true(send(session, "settings", "{}", &err));
     const struct integrator_settings *s = &session->settings.integrator;
     assert_int_equal(s->seed, 7);
@@ -405,13 +425,16 @@ static void defaults_are_those_of_the_page(void **state)
     stokes_session *session = greeted();
     struct session_settings before = session->settings;
     stokes_error err;
-    assert_true(send(session, "settings",
-                     "{\"integrator\": \"mbdpt\", \"seed\": 0, \"d0\": 50, \"shrink\": 0.2, \"kernel\": \"constant\","
-                     "\"mollify_side\": \"light\", \"max_path\": 32, \"max_camera\": 32, \"max_light\": 32, \"max_diffuse\": 32,"
-                     "\"max_glossy\": 32, \"max_transmission\": 32, \"max_transparent\": 32, \"roulette_start\": 4,"
-                     "\"lambda_min\": 300, \"lambda_max\": 830, \"uv_rule\": \"hold\", \"filter_width\": 1.5,"
-                     "\"film_transparent\": false, \"techniques\": [], \"spectral_bins\": null, \"threads\": 0,"
-                     "\"time_limit\": 0}", &err));
+    assert_true(
+        send(session, "settings",
+             "{\"integrator\": \"mbdpt\", \"seed\": 0, \"d0\": 50, \"shrink\": 0.2, \"kernel\": \"constant\","
+             "\"mollify_side\": \"light\", \"max_path\": 32, \"max_camera\": 32, \"max_light\": 32, "
+             "\"max_diffuse\": 32,"
+             "\"max_glossy\": 32, \"max_transmission\": 32, \"max_transparent\": 32, \"roulette_start\": 4,"
+             "\"lambda_min\": 300, \"lambda_max\": 830, \"uv_rule\": \"hold\", \"filter_width\": 1.5,"
+             "\"film_transparent\": false, \"techniques\": [], \"spectral_bins\": null, \"threads\": 0,"
+             "\"time_limit\": 0}",
+             &err));
     assert_memory_equal(&session->settings, &before, sizeof before);
     stokes_session_destroy(session);
 }
@@ -434,8 +457,10 @@ static void what_colours_rest_on_cannot_change_under_them(void **state)
 static void colours_out_of_reach_are_counted_once_for_each_object(void **state)
 {
     (void)state;
-    static const char red[] = "{\"name\": \"m\", \"surface\": {\"bsdf\": \"diffuse\", \"reflectance\": {\"rgb\": [1.5, 0, 0]}}}";
-    static const char grey[] = "{\"name\": \"m\", \"surface\": {\"bsdf\": \"diffuse\", \"reflectance\": {\"rgb\": [0.5, 0.5, 0.5]}}}";
+    static const char red[] =
+        "{\"name\": \"m\", \"surface\": {\"bsdf\": \"diffuse\", \"reflectance\": {\"rgb\": [1.5, 0, 0]}}}";
+    static const char grey[] = "{\"name\": \"m\", \"surface\": {\"bsdf\": \"diffuse\", \"reflectance\": "
+                               "{\"rgb\": [0.5, 0.5, 0.5]}}}";
     stokes_session *session = greeted();
     stokes_error err;
     assert_true(send(session, "material", red, &err) && send(session, "material", red, &err));
@@ -464,12 +489,27 @@ static void a_fingerprint_sees_what_changes_the_image_and_nothing_else(void **st
 {
     (void)state;
     static const char *const same[] = {"{\"threads\": 3}", "{\"time_limit\": 9}", "{\"seed\": 0}"};
-    static const char *const other[] = {
-        "{\"integrator\": \"pt\"}", "{\"seed\": 1}", "{\"d0\": 51}", "{\"shrink\": 0.3}", "{\"mollify_side\": \"camera\"}",
-        "{\"max_path\": 8}", "{\"max_camera\": 8}", "{\"max_light\": 8}", "{\"max_diffuse\": 8}", "{\"max_glossy\": 8}",
-        "{\"max_transmission\": 8}", "{\"max_transparent\": 8}", "{\"roulette_start\": 8}", "{\"lambda_min\": 310}",
-        "{\"lambda_max\": 820}", "{\"uv_rule\": \"zero\"}", "{\"filter_width\": 2}", "{\"film_transparent\": true}",
-        "{\"techniques\": [[2, 2]]}", "{\"techniques\": [[2, 3]]}", "{\"spectral_bins\": {\"count\": 4, \"min\": 400, \"max\": 700}}"};
+    static const char *const other[] = {"{\"integrator\": \"pt\"}",
+                                        "{\"seed\": 1}",
+                                        "{\"d0\": 51}",
+                                        "{\"shrink\": 0.3}",
+                                        "{\"mollify_side\": \"camera\"}",
+                                        "{\"max_path\": 8}",
+                                        "{\"max_camera\": 8}",
+                                        "{\"max_light\": 8}",
+                                        "{\"max_diffuse\": 8}",
+                                        "{\"max_glossy\": 8}",
+                                        "{\"max_transmission\": 8}",
+                                        "{\"max_transparent\": 8}",
+                                        "{\"roulette_start\": 8}",
+                                        "{\"lambda_min\": 310}",
+                                        "{\"lambda_max\": 820}",
+                                        "{\"uv_rule\": \"zero\"}",
+                                        "{\"filter_width\": 2}",
+                                        "{\"film_transparent\": true}",
+                                        "{\"techniques\": [[2, 2]]}",
+                                        "{\"techniques\": [[2, 3]]}",
+                                        "{\"spectral_bins\": {\"count\": 4, \"min\": 400, \"max\": 700}}"};
     char plain[SESSION_FINGERPRINT_BYTES], print[SESSION_FINGERPRINT_BYTES];
     print_of("{}", 3, plain);
     for (size_t i = 0; i < sizeof same / sizeof *same; i++) {

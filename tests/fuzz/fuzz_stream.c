@@ -24,14 +24,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         if (strcmp(frame.name, "render") == 0)
             render_request_read(&frame, &request, &err);
         else
-            stokes_session_apply(session, frame.name, frame.mandatory, frame.json, frame.json_bytes, frame.blobs,
-                                 frame.blob_bytes, data, size, &err);
+            stokes_session_apply(session, frame.name, frame.mandatory, frame.json, frame.json_bytes,
+                                 frame.blobs, frame.blob_bytes, data, size, &err);
         frame_free(&frame);
     }
     stokes_session_destroy(session);
     return 0;
 }
-
 
 static size_t padded(size_t bytes)
 {
