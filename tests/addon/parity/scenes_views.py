@@ -1,0 +1,112 @@
+"""Parity scenes of worlds, cameras and films: what a picture is a picture of."""
+
+import math
+
+from stage import (
+    bpy, camera, colour, diffuse, light, link, material, plane, scene, sphere, still_life, world, world_image,
+)
+import pictures
+
+
+@scene(run="every")
+def world_constant():
+    still_life()
+    world(0.7)
+
+
+@scene()
+def world_coloured():
+    still_life()
+    world(1.0, tint=(0.25, 0.5, 1.0))
+
+
+@scene(samples=(192, 192), run="every")
+def world_sun_image():
+    """A sky, a ground and a sun of a few texels, turned about the vertical."""
+    still_life()
+    world_image(pictures.sky(), rotation=(0, 0, 70))
+
+
+@scene(samples=(192, 192))
+def world_tilted_in_view():
+    """The map itself, seen directly and in a mirror ball, turned about all axes."""
+    ball = link("Ball", sphere("Ball"), (0, 0, 0.6))
+    ball.data.materials.append(material("Mirror", lambda tree: tree.node(
+        ("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic"), Color=colour(0.8), Roughness=0.0)))
+    camera(lens=24)
+    world_image(pictures.sky(), rotation=(20, -35, 110))
+
+
+@scene(samples=(96, 96))
+def camera_orthographic():
+    still_life()
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+    data = bpy.context.scene.camera.data
+    data.type = 'ORTHO'
+    data.ortho_scale = 4.5
+
+
+@scene(samples=(96, 96))
+def camera_shifted():
+    still_life()
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+    data = bpy.context.scene.camera.data
+    data.shift_x, data.shift_y, data.sensor_fit = 0.15, -0.2, 'VERTICAL'
+
+
+@scene(samples=(96, 96), size=(64, 128), run="long")
+def camera_portrait():
+    still_life()
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+    bpy.context.scene.render.pixel_aspect_x = 1.3
+
+
+@scene(samples=(192, 192), run="long")
+def camera_out_of_focus():
+    still_life()
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+    dof = bpy.context.scene.camera.data.dof
+    dof.use_dof = True
+    dof.focus_distance, dof.aperture_fstop = 5.0, 0.15
+
+
+@scene(samples=(96, 96), size=(128, 128))
+def border():
+    """A part of the frame; the rest of the picture stays empty."""
+    still_life()
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+    render = bpy.context.scene.render
+    render.use_border, render.use_crop_to_border = True, True
+    render.border_min_x, render.border_max_x = 0.25, 0.875
+    render.border_min_y, render.border_max_y = 0.125, 0.75
+
+
+@scene(samples=(96, 96))
+def film_transparent():
+    """No floor: the world lights the objects but its pixels stay empty, and alpha is compared too."""
+    floor = still_life()[0]
+    bpy.data.objects.remove(floor)
+    world(0.8)
+    bpy.context.scene.render.film_transparent = True
+
+
+@scene(samples=(96, 96), run="long")
+def instances():
+    """One mesh in many places, scaled and mirrored, and an empty that hands on its transform."""
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+    link("Floor", plane("Floor", 8.0)).data.materials.append(diffuse(0.5))
+    ball = sphere("Ball", 24, 12)
+    ball.materials.append(diffuse(0.7))
+    parent = link("Empty", None, (0, 0, 0.2), (0, 0, 25), (1.2, 1.0, 0.8))
+    for i in range(5):
+        angle = 2 * math.pi * i / 5
+        child = link("Ball", ball, (1.2 * math.cos(angle), 1.2 * math.sin(angle), 0.3), (10 * i, 0, 0),
+                     (-0.3 if i % 2 else 0.4, 0.3, 0.2 + 0.1 * i))
+        child.parent = parent
+    camera()
