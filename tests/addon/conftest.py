@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 FAKE_CORE = ROOT / "tests" / "addon" / "fake_core.py"
 INSIDE = ROOT / "tests" / "addon" / "inside.py"
-SECONDS = 120
+SECONDS = 60
 MARK = "TOLD "
 
 sys.path.insert(0, str(ROOT))

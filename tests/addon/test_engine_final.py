@@ -45,11 +45,11 @@ def test_every_border_has_blenders_own_size(host, tmp_path):
 scene = empty_scene(samples=1)
 scene.render.use_border = scene.render.use_crop_to_border = True
 number = 0
-for size in ((97, 53), (100, 100), (7, 5)):
+for size in ((97, 53), (100, 100), (203, 101)):
     scene.render.resolution_x, scene.render.resolution_y = size
     for percent in (100, 50, 33):
         scene.render.resolution_percentage = percent
-        for low, high in ((0, 1), (0.1, 0.9), (1 / 3, 2 / 3), (0.501, 0.502), (0.29, 0.57), (0.999, 1)):
+        for low, high in ((0, 1), (0.1, 0.9), (1 / 3, 2 / 3), (0.29, 0.57), (0.501, 0.803), (0.8, 1)):
             scene.render.border_min_x = scene.render.border_min_y = low
             scene.render.border_max_x = scene.render.border_max_y = high
             bpy.ops.render.render()
@@ -101,7 +101,7 @@ try:
     tell("rendered")
 except RuntimeError as error:
     tell([str(error), os.path.exists(os.path.join(TMP, "never.exr"))])
-""", tmp_path, env={"FAKE_CORE": fault})
+""", tmp_path, env={"FAKE_CORE": fault}, status=None)
     assert said in told[0] and told[1] is False
 
 
@@ -112,7 +112,7 @@ try:
     bpy.ops.render.render()
 except RuntimeError as error:
     tell(str(error))
-""", tmp_path, env={"STOKES_CORE": "/nowhere/stokes"})
+""", tmp_path, env={"STOKES_CORE": "/nowhere/stokes"}, status=None)
     assert "$STOKES_CORE names no file: /nowhere/stokes" in told
 
 
@@ -123,7 +123,7 @@ try:
     bpy.ops.render.render()
 except RuntimeError as error:
     tell(str(error))
-""", tmp_path, env={"STOKES_STRICT": "1"})
+""", tmp_path, env={"STOKES_STRICT": "1"}, status=None)
     assert "Camera: type: a panoramic camera" in told
 
 
