@@ -91,7 +91,7 @@ class StokesSettings(bpy.types.PropertyGroup):
         name="Preview Samples", description="Paths per pixel of the little pictures of materials",
         default=32, min=1, soft_max=512, max=1 << 16)
     time_limit: FloatProperty(
-        name="Time Limit", subtype='TIME', unit='TIME', precision=1, step=100,
+        name="Time Limit", subtype='TIME_ABSOLUTE', unit='TIME_ABSOLUTE', precision=1, step=100,
         description="Stop after this many seconds and keep the picture as it is then. 0 means no limit",
         default=0.0, min=0.0, soft_max=3600.0, max=1e7)
     seed: IntProperty(

@@ -41,7 +41,7 @@ class StokesFluorescentSettings(bpy.types.PropertyGroup):
         "at its peak is 10^(−A). About 1 for a strong paint, 0.1 for a hint of it",
         default=1.0, min=0.001, soft_max=3.0, max=10.0, precision=2, step=10, update=on_change)
     yield_kind: EnumProperty(
-        name="Yield Counts", description="What the socket Yield is a share of", items=YIELD_KINDS,
+        name="Yield Is", description="What the socket Yield is a share of", items=YIELD_KINDS,
         default='quantum', update=on_change)
 
 

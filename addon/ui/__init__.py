@@ -4,7 +4,7 @@ import bpy
 
 from . import engines, light_spectrum, node_editor, plot, render, report, shading
 
-_FILES = (light_spectrum, node_editor, report, render, shading)
+_FILES = (light_spectrum, shading, node_editor, report, render)
 
 
 def register():

@@ -108,19 +108,15 @@ class STOKES_PT_node(bpy.types.Panel):
     bl_label = "Stokes"
     bl_space_type = 'NODE_EDITOR'
     bl_region_type = 'UI'
-    bl_category = "Stokes"
+    bl_category = "Node"
 
     @classmethod
     def poll(cls, context):
-        return shader_tree(context) is not None
+        node = context.active_node
+        return shader_tree(context) is not None and node is not None and nodes.kind_of(node) is not None
 
     def draw(self, context):
-        node = context.active_node
-        if node is None or nodes.kind_of(node) is None:
-            self.layout.label(text="Add a Stokes node:")
-            self.layout.operator_menu_enum("stokes.add_node", "kind", text="Add Node", icon='ADD')
-            return
-        draw_settings(self.layout, node)
+        draw_settings(self.layout, context.active_node)
 
 
 def draw_settings(layout, node):
@@ -148,11 +144,31 @@ class STOKES_PT_material_node(bpy.types.Panel):
         return is_ours(context) and context.material and any(_stokes_nodes(context.material))
 
     def draw(self, context):
-        for node in _stokes_nodes(context.material):
-            draw_settings(self.layout.box(), node)
+        draw_all_settings(self.layout, context.material)
+
+
+class STOKES_PT_light_node(bpy.types.Panel):
+    bl_label = "Stokes Nodes"
+    bl_space_type = 'PROPERTIES'
+    bl_region_type = 'WINDOW'
+    bl_context = "data"
+    COMPAT_ENGINES = {'STOKES'}
+
+    @classmethod
+    def poll(cls, context):
+        return is_ours(context) and context.light and any(_stokes_nodes(context.light))
+
+    def draw(self, context):
+        draw_all_settings(self.layout, context.light)
+
+
+def draw_all_settings(layout, owner):
+    for node in _stokes_nodes(owner):
+        draw_settings(layout.box(), node)
 
 
 def _stokes_nodes(owner):
+    """Those with settings of their own; the others have all they need in their sockets."""
     if owner.node_tree is None:
         return
     for node in owner.node_tree.nodes:
@@ -160,7 +176,8 @@ def _stokes_nodes(owner):
             yield node
 
 
-CLASSES = (STOKES_OT_add_node, STOKES_MT_add, STOKES_MT_add_shader, STOKES_PT_node, STOKES_PT_material_node)
+CLASSES = (STOKES_OT_add_node, STOKES_MT_add, STOKES_MT_add_shader, STOKES_PT_node, STOKES_PT_material_node,
+           STOKES_PT_light_node)
 
 
 def register():

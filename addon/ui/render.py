@@ -44,11 +44,13 @@ class STOKES_PT_sampling(RenderPanel, bpy.types.Panel):
         settings = context.scene.stokes
         column = column_of(self.layout)
         column.prop(settings, "integrator")
-        group = self.layout.column(align=True)
-        group.prop(settings, "samples", text="Samples: Render")
+        column.separator()
+        group = column.column(align=True, heading="Samples")
+        group.prop(settings, "samples", text="Render")
         group.prop(settings, "viewport_samples", text="Viewport")
         group.prop(settings, "preview_samples", text="Preview")
-        column_of(self.layout).prop(settings, "time_limit")
+        column.separator()
+        column.prop(settings, "time_limit")
 
 
 class STOKES_PT_sampling_advanced(RenderPanel, bpy.types.Panel):
