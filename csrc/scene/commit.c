@@ -269,7 +269,10 @@ static void grow(struct box *box, struct vec3 p)
     box->high = vec3(fmaxf(box->high.x, p.x), fmaxf(box->high.y, p.y), fmaxf(box->high.z, p.z));
 }
 
-static void measure(struct scene *scene)
+/* Beyond this (m), squares of distances leave the range of floats. */
+#define RADIUS_MAX 1e15f
+
+static bool measure(struct scene *scene, stokes_error *err)
 {
     struct box box = {vec3(INFINITY, INFINITY, INFINITY), vec3(-INFINITY, -INFINITY, -INFINITY)};
     for (size_t i = 0; i < scene->object_count; i++) {
@@ -287,6 +290,8 @@ static void measure(struct scene *scene)
     float radius = empty ? 0 : 0.5f * length(sub(box.high, box.low));
     /* A margin for rounding, and for a scene that is a point. */
     scene->radius = 1.001f * radius + 1e-5f * length(scene->center) + (radius > 0 ? 0 : 1);
+    return scene->radius <= RADIUS_MAX ||
+           fail(err, "scene", "bounds", "objects and camera lie more than %g m apart", (double)RADIUS_MAX);
 }
 
 /* --- Images ------------------------------------------------------------------------------------------ */
@@ -349,7 +354,8 @@ bool scene_commit(struct scene *scene, const struct scene_setup *setup, stokes_e
     bool rebuild_lights = scene->geometry_dirty || scene->materials_dirty || scene->lights_dirty;
     if (!commit_geometry(scene, setup, err))
         return false;
-    measure(scene);
+    if ((scene->geometry_dirty || scene->camera_dirty) && !measure(scene, err))
+        return false;
     if (rebuild_lights && !(scene_build_lights(scene, err) && accel_build_lamps(scene, err)))
         return false;
     if ((rebuild_lights || scene->camera_dirty) && !scene_weigh_lights(scene, err))

@@ -51,16 +51,14 @@ void accel_destroy(struct accel *accel)
 static bool device_is_well(RTCDevice device, stokes_error *err)
 {
     switch (rtcGetDeviceError(device)) {
-    case RTC_ERROR_NONE:
-        return true;
+    case RTC_ERROR_NONE: return true;
     case RTC_ERROR_OUT_OF_MEMORY:
         return fail(err, "scene", "embree", "no memory for the acceleration structure");
     case RTC_ERROR_UNKNOWN:
     case RTC_ERROR_INVALID_ARGUMENT:
     case RTC_ERROR_INVALID_OPERATION:
     case RTC_ERROR_UNSUPPORTED_CPU:
-    case RTC_ERROR_CANCELLED:
-        break;
+    case RTC_ERROR_CANCELLED: break;
     }
     return fail(err, "scene", "embree", "the acceleration structure could not be built");
 }
@@ -126,7 +124,7 @@ static void build_mesh_structures(struct scene *scene)
 {
     for (size_t i = 0; i < scene->object_count; i++) {
         const struct object *object = &scene->objects[i];
-        if (object->flattened || object->mesh->structure)
+        if (object->flattened || object->vanished || object->mesh->structure)
             continue;
         struct mesh *mesh = registry_find(&scene->meshes, object->mesh->name);
         mesh->structure = mesh_structure(scene->accel->device, mesh);
@@ -141,6 +139,8 @@ bool accel_build(struct scene *scene, stokes_error *err)
     scene->accel->top = new_scene(device);
     for (size_t i = 0; i < scene->object_count; i++) {
         const struct object *object = &scene->objects[i];
+        if (object->vanished)
+            continue;
         RTCGeometry geometry = object->flattened ? mesh_geometry(device, object->mesh, &object->to_world)
                                                  : instance_geometry(device, object);
         attach(scene->accel->top, geometry, object->instances->mask, (uint32_t)i);

@@ -59,6 +59,7 @@ struct object {
     int first_light; /* of its emitters; −1: none */
     bool mirrored;   /* negative determinant */
     bool flattened;  /* its triangles lie in the top structure, in world space */
+    bool vanished;   /* scaled to nothing: no ray meets it */
 };
 bool scene_build_objects(struct scene *, stokes_error *err);
 static inline size_t object_slot(const struct object *object, uint32_t triangle)
@@ -239,6 +240,7 @@ struct scene {
     uint32_t uv_name_count;
     struct object *objects;
     size_t object_count;
+    bool laid_out; /* objects have been built before */
     struct accel *accel;
     bool transparent; /* some material in use may be */
     struct vec3 center;

@@ -139,6 +139,35 @@ static void an_object_scaled_flat_is_still_seen(void **state)
     scene_destroy(scene);
 }
 
+static void objects_scaled_to_nothing_or_out_of_bounds_are_no_trap(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    struct transform transforms[3] = {{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}},
+                                      {{1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 1}},
+                                      {{1e-6f, 0, 0, 0, 0, 1e-6f, 0, 0, 0, 0, 1e-6f, 1}}};
+    assert_true(add_mesh(scene, quad()));
+    scenes_material(scene, "light", scenes_emitter(1, true));
+    scenes_instance(scene, "quad", "quad", "light", transforms, 3);
+    scenes_commit(scene);
+    assert_string_equal(seen(scene, 1e-6f, 2e-7f), "light");
+    assert_string_equal(seen(scene, 1, 1), "nothing");
+    transforms[0].m[0] = transforms[0].m[5] = transforms[0].m[10] = 1e12f;
+    transforms[0].m[3] = -1e12f;
+    scenes_instance(scene, "far", "quad", "light", transforms, 1);
+    stokes_error err;
+    assert_true(commit(scene, &err));
+    struct mesh_input mesh = quad();
+    float positions[12];
+    for (int i = 0; i < 12; i++)
+        positions[i] = 5e11f * quad_positions[i];
+    mesh.positions = positions;
+    assert_true(add_mesh(scene, mesh));
+    assert_false(commit(scene, &err));
+    assert_string_equal(err.property, "bounds");
+    scene_destroy(scene);
+}
+
 static void dangling_names_fail_the_commit_and_say_so(void **state)
 {
     (void)state;
@@ -449,6 +478,7 @@ int main(void)
         cmocka_unit_test(bad_meshes_are_refused_and_change_nothing),
         cmocka_unit_test(degenerate_triangles_and_empty_meshes_are_harmless),
         cmocka_unit_test(an_object_scaled_flat_is_still_seen),
+        cmocka_unit_test(objects_scaled_to_nothing_or_out_of_bounds_are_no_trap),
         cmocka_unit_test(dangling_names_fail_the_commit_and_say_so),
         cmocka_unit_test(bad_lights_name_what_is_wrong),
         cmocka_unit_test(hits_carry_coordinates_normals_and_tangent),
