@@ -2,6 +2,7 @@
 
 import math
 import os
+import struct
 import tempfile
 from array import array
 
@@ -24,7 +25,9 @@ def sky():
             if 40 <= column < 42 and 24 <= row < 26:
                 texel = (150.0, 150.0, 150.0)
             pixels.extend((*texel, 1.0))
-    return _written("sky", width, height, pixels, 'OPEN_EXR', "exr", True)
+    path = os.path.join(FOLDER, "sky.exr")
+    _write_exr(path, width, height, pixels)
+    return bpy.data.images.load(path)
 
 
 def chart():
@@ -38,7 +41,7 @@ def chart():
             if column > 17 and row > 11:
                 texel = (0.95, 0.95, 0.95)
             pixels.extend((*texel, 1.0 if column > 5 else 0.5))
-    return _written("chart", width, height, pixels, 'PNG', "png", False)
+    return _saved("chart", width, height, pixels)
 
 
 def mask():
@@ -49,16 +52,40 @@ def mask():
         for column in range(width):
             level = 0.1 + 0.7 * (column // 2) / 7
             pixels.extend((level, level, level, 1.0))
-    picture = _written("mask", width, height, pixels, 'PNG', "png", False)
+    picture = _saved("mask", width, height, pixels)
     picture.colorspace_settings.name = "Non-Color"
     return picture
 
 
-def _written(name, width, height, pixels, kind, ending, is_float):
-    made = bpy.data.images.new(name, width, height, alpha=True, float_buffer=is_float)
+def _saved(name, width, height, pixels):
+    made = bpy.data.images.new(name, width, height, alpha=True)
     made.pixels.foreach_set(pixels)
-    path = os.path.join(FOLDER, "%s.%s" % (name, ending))
-    made.filepath_raw, made.file_format = path, kind
+    path = os.path.join(FOLDER, name + ".png")
+    made.filepath_raw, made.file_format = path, 'PNG'
     made.save()
     bpy.data.images.remove(made)
     return bpy.data.images.load(path)
+
+
+def _write_exr(path, width, height, pixels):
+    """Uncompressed scanlines of 32-bit floats, RGB. Blender 3.4 would save its own float image after a curve."""
+    def attribute(name, kind, data):
+        return b"%s\0%s\0%s%s" % (name, kind, struct.pack("<i", len(data)), data)
+    channels = b"".join(b"%s\0%s" % (name, struct.pack("<iB3xii", 2, 0, 1, 1)) for name in (b"B", b"G", b"R")) + b"\0"
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    head = struct.pack("<ii", 20000630, 2) + b"".join((
+        attribute(b"channels", b"chlist", channels), attribute(b"compression", b"compression", b"\0"),
+        attribute(b"dataWindow", b"box2i", window), attribute(b"displayWindow", b"box2i", window),
+        attribute(b"lineOrder", b"lineOrder", b"\0"), attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1)),
+        attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0)),
+        attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)), b"\0"))
+    row_bytes = 12 * width
+    start = len(head) + 8 * height
+    with open(path, "wb") as out:
+        out.write(head)
+        out.write(struct.pack("<%dQ" % height, *(start + (8 + row_bytes) * row for row in range(height))))
+        for row in range(height):
+            texels = pixels[4 * width * (height - 1 - row):4 * width * (height - row)]
+            out.write(struct.pack("<ii", row, row_bytes))
+            for channel in (2, 1, 0):
+                out.write(texels[channel::4].tobytes())

@@ -3,7 +3,7 @@
 from stage import camera, diffuse, emission, light, link, plane, scene, still_life
 
 
-@scene(samples=(192, 192), size=(96, 96), run="every")
+@scene(run="every")
 def default_cube():
     """The file that Blender starts with: a Principled cube, a point light and a grey world."""
 
@@ -82,7 +82,7 @@ def mesh_emitter():
     panel.data.materials.append(emission(6.0))
 
 
-@scene(samples=(256, 256), run="long")
+@scene(run="long")
 def mesh_emitter_in_view():
     """Seen by the camera, lit from both sides."""
     still_life()
@@ -98,11 +98,14 @@ def coloured_lamp():
 
 @scene(run="long")
 def lamps_in_view():
-    """What a lamp looks like to the camera."""
+    """What lamps look like to the camera, which does not see them unless asked to."""
     link("Floor", plane("Floor", 8.0)).data.materials.append(diffuse(0.5))
     camera()
-    light('AREA', 30, (-1.2, 1.0, 1.2), (0, -4, 1), shape='RECTANGLE', size=1.0, size_y=0.6)
-    light('POINT', 30, (0.9, 0.5, 1.2), shadow_soft_size=0.3)
+    lamps = (light('AREA', 30, (-0.9, 1.0, 0.9), (0, -4, 1), shape='RECTANGLE', size=1.0, size_y=0.6),
+             light('AREA', 20, (0.3, -1.0, 0.5), (-1, -4, 3), shape='DISK', size=0.5),
+             light('POINT', 30, (1.0, 0.5, 0.9), shadow_soft_size=0.3))
+    for lamp in lamps:
+        lamp.visible_camera = True
 
 
 @scene(run="long")

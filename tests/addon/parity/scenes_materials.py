@@ -58,17 +58,17 @@ def principled_half_metal():
     show(lambda tree: principled(tree, Base_Color=PALE, Metallic=0.5, Roughness=0.4))
 
 
-@scene(samples=(256, 256))
+@scene(samples=(64, 128))
 def principled_glass():
     show(lambda tree: principled(tree, Base_Color=PALE, Transmission=1.0, Roughness=0.0, IOR=1.45), diffuse(0.5))
 
 
-@scene(samples=(256, 256))
+@scene(samples=(64, 128))
 def principled_rough_glass():
     show(lambda tree: principled(tree, Base_Color=PALE, Transmission=1.0, Roughness=0.3, IOR=1.45), diffuse(0.5))
 
 
-@scene(samples=(256, 256), run="long")
+@scene(samples=(64, 128), run="long")
 def principled_half_glass():
     show(lambda tree: principled(tree, Base_Color=PALE, Transmission=0.5, Roughness=0.2, IOR=1.45), diffuse(0.5))
 
@@ -105,18 +105,18 @@ def glossy_mirror():
     show(lambda tree: tree.node(GLOSSY, {"distribution": 'GGX'}, Color=PALE, Roughness=0.0), diffuse(0.5))
 
 
-@scene(samples=(256, 256), run="every")
+@scene(samples=(64, 128), run="every")
 def glass_smooth():
     show(lambda tree: tree.node("ShaderNodeBsdfGlass", {"distribution": 'GGX'}, Roughness=0.0, IOR=1.5), diffuse(0.5))
 
 
-@scene(samples=(256, 256))
+@scene(samples=(64, 128))
 def glass_rough():
     show(lambda tree: tree.node("ShaderNodeBsdfGlass", {"distribution": 'GGX'}, Color=PALE, Roughness=0.35, IOR=1.5),
          diffuse(0.5))
 
 
-@scene(samples=(256, 256), run="long")
+@scene(samples=(64, 128), run="long")
 def refraction():
     show(lambda tree: tree.node("ShaderNodeBsdfRefraction", {"distribution": 'BECKMANN'}, Roughness=0.0, IOR=1.2),
          diffuse(0.5))

@@ -23,7 +23,7 @@ class Scene:
         self.run = run
 
 
-def scene(samples=(128, 128), size=(96, 96), run="normal"):
+def scene(samples=(32, 64), size=(96, 96), run="normal"):
     """`run`: "every" Blender, "normal" (3.4 only), or "long" (3.4 and on demand)."""
     def register(build):
         SCENES[build.__name__] = Scene(build, samples, size, run)
@@ -48,7 +48,7 @@ def link(name, data, location=(0, 0, 0), rotation=(0, 0, 0), scale=(1, 1, 1)):
     return made
 
 
-def camera(location=(0.0, -6.0, 4.0), target=(0.0, 0.0, 0.6), lens=42.0):
+def camera(location=(0.0, -6.0, 4.0), target=(0.0, -0.1, 0.55), lens=68.0):
     made = link("Camera", bpy.data.cameras.new("Camera"), location)
     made.rotation_euler = (Vector(target) - Vector(location)).to_track_quat('-Z', 'Y').to_euler()
     made.data.lens = lens
