@@ -54,7 +54,8 @@ static bool read_head(const unsigned char *bytes, struct stream_frame *frame, st
     head->blob_bytes = little_endian(bytes + 40, 8);
     frame->mandatory = flags & 1;
     if (flags & ~(uint64_t)1)
-        return fail(err, frame->name, "flags", "unknown flags %#llx", (unsigned long long)flags);
+        return fail(err, frame->name, "flags", "unknown flags %#llx",
+                    (unsigned long long)(flags & ~(uint64_t)1));
     if (head->json_bytes > FRAME_JSON_MAX)
         return fail(err, frame->name, "json", "%llu bytes; at most 64 MiB are taken",
                     (unsigned long long)head->json_bytes);

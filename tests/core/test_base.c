@@ -147,6 +147,9 @@ static void memory_that_grew_is_mapped_again(void **state)
     int fd = memfd_create("test", MFD_ALLOW_SEALING);
     assert_true(os_memory_map(&memory, fd, true, &err));
     assert_null(memory.data);
+    assert_int_equal(ftruncate(fd, 4096), 0);
+    assert_true(os_memory_map(&memory, fd, true, &err));
+    assert_int_equal(memory.bytes, 4096);
     assert_int_equal(ftruncate(fd, 1 << 20), 0);
     assert_int_equal(pwrite(fd, "Z", 1, (1 << 20) - 1), 1);
     assert_true(os_memory_map(&memory, fd, true, &err));

@@ -123,9 +123,10 @@ static void a_strange_head_is_broken(void **state)
     static const struct {
         size_t at;
         unsigned char byte;
-        const char *property;
-    } faults[] = {{0, 'x', "magic"}, {4, 3, "flags"},    {8, 0, "name"},    {8, 0x80, "name"},
-                  {14, 'x', "name"}, {39, 0x80, "json"}, {47, 0x80, "blob"}};
+        const char *property, *text;
+    } faults[] = {{0, 'x', "magic", "STKS"},   {4, 3, "flags", "0x2"},     {8, 0, "name", "no name"},
+                  {8, 0x80, "name", "ASCII"},  {14, 'x', "name", "ASCII"}, {39, 0x80, "json", "64 MiB"},
+                  {47, 0x80, "blob", "64 GiB"}};
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
         size_t bytes;
         unsigned char *built = frame_build("mesh", true, "{}", 2, &bytes);
@@ -135,6 +136,7 @@ static void a_strange_head_is_broken(void **state)
         stokes_error err = {0};
         assert_int_equal(frame_read(frame_memory_source, &memory, &frame, &err), FRAME_BROKEN);
         assert_string_equal(err.property, faults[i].property);
+        assert_non_null(strstr(err.text, faults[i].text));
         free(built);
     }
 }
@@ -538,7 +540,7 @@ static void overrides_are_checked_like_settings(void **state)
     assert_string_equal(s.integrator.name, "pt");
     assert_true(s.integrator.technique[2][2] && s.integrator.technique[3][1] && !s.integrator.all_techniques);
     assert_true(s.integrator.bins_min < s.integrator.bins_max);
-    static const char *const wrong[] = {"2", "2,", "2,2,2", "2;2", "x", "-1,2", "99,1", "2,2x"};
+    static const char *const wrong[] = {"2", "2,", "2,2,2", "2;2", "x", "-1,2", "99,1", "2,2x", "2,123,4"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         o.techniques = wrong[i];
         assert_false(session_settings_override(&s, &o, &err));
@@ -587,6 +589,7 @@ static void a_cancel_stops_what_came_before_it(void **state)
         assert_string_equal(frame.name, i == 1 ? "cancel" : "render");
         frame_free(&frame);
     }
+    assert_false(inbox_stops(inbox, 2)); /* nor once all has come */
     close(ends[1]);
     wait_until_stopped(inbox, 2);
     assert_int_equal(inbox_take(inbox, &frame, &number, &err), FRAME_END);
