@@ -5,25 +5,45 @@ import re
 
 import bpy
 from bpy.props import (
-    BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty,
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
 )
 
 INTEGRATORS = (
-    ('mbdpt', "Bidirectional (Mollified)",
-     "Paths from the camera and from the lights, connected across wavelengths. The best choice for "
-     "fluorescence with glass, caustics and hidden lights"),
-    ('pt_nee', "Path Tracing",
-     "Paths from the camera, with a look at a light at every bounce. The best choice for open scenes"),
-    ('lt', "Light Tracing",
-     "Paths from the lights only. Sees caustics, but nothing behind glass or in mirrors"),
-    ('pt', "Plain Path Tracing",
-     "Paths from the camera that must hit a light by chance. A slow reference without assumptions"),
+    (
+        'mbdpt',
+        "Bidirectional (Mollified)",
+        "Paths from the camera and from the lights, connected across wavelengths. Best for "
+        "fluorescence with glass, caustics and hidden lights",
+    ),
+    (
+        'pt_nee',
+        "Path Tracing",
+        "Paths from the camera, with a look at a light at every bounce. Best for open scenes",
+    ),
+    (
+        'lt',
+        "Light Tracing",
+        "Paths from the lights only. Sees caustics, but nothing behind glass or in mirrors",
+    ),
+    (
+        'pt',
+        "Plain Path Tracing",
+        "Paths from the camera that must hit a light by chance. A slow reference",
+    ),
 )
 
 KERNELS = (
-    ('constant', "Constant",
-     "The reflectance is taken where the light arrives, the wavelength is blurred by a box. "
-     "Conserves energy and photons"),
+    (
+        'constant',
+        "Constant",
+        "The reflectance is taken where the light arrives, the wavelength is blurred by a box. "
+        "Conserves energy and photons",
+    ),
 )
 
 MOLLIFY_SIDES = (
@@ -33,32 +53,80 @@ MOLLIFY_SIDES = (
 
 UV_RULES = (
     ('hold', "Hold", "An RGB colour reflects in the ultraviolet what it reflects at 360 nm"),
-    ('extrapolate', "Extrapolate", "Continue the upsampled curve. May turn dark reds bright in the UV"),
+    (
+        'extrapolate',
+        "Extrapolate",
+        "Continue the upsampled curve. May turn dark reds bright in the UV",
+    ),
     ('zero', "Black", "RGB colours reflect no ultraviolet at all"),
 )
 
 # Operator presets: what a click on them sets. Members not named keep their value.
 PRESETS = {
-    'PREVIEW': ("Preview", "A quick look: few samples, wide mollification that does not shrink",
-                dict(samples=16, d0=100.0, shrink=0.0, max_path=12)),
-    'DRAFT': ("Draft", "Clean enough to judge light and colour",
-              dict(samples=64, d0=50.0, shrink=0.2, max_path=16)),
-    'FINAL': ("Final", "For the picture that you keep",
-              dict(samples=1024, d0=50.0, shrink=0.2, max_path=32)),
-    'CAUSTICS': ("Glass and Caustics", "Many bounces, and mollification that stays wide for longer",
-                 dict(integrator='mbdpt', samples=2048, d0=50.0, shrink=0.1, max_path=48,
-                      max_transmission=48, max_glossy=48)),
-    'REFERENCE': ("Reference", "As little bias as the method allows, at the price of time",
-                  dict(samples=16384, d0=20.0, shrink=0.4, max_path=64, max_camera=64, max_light=64,
-                       max_diffuse=64, max_glossy=64, max_transmission=64, max_transparent=64)),
+    'PREVIEW': (
+        "Preview",
+        "A quick look: few samples, wide mollification that does not shrink",
+        dict(samples=16, d0=100.0, shrink=0.0, max_path=12),
+    ),
+    'DRAFT': (
+        "Draft",
+        "Clean enough to judge light and colour",
+        dict(samples=64, d0=50.0, shrink=0.2, max_path=16),
+    ),
+    'FINAL': (
+        "Final",
+        "For the picture that you keep",
+        dict(samples=1024, d0=50.0, shrink=0.2, max_path=32),
+    ),
+    'CAUSTICS': (
+        "Glass and Caustics",
+        "Many bounces, and mollification that stays wide for longer",
+        dict(
+            integrator='mbdpt',
+            samples=2048,
+            d0=50.0,
+            shrink=0.1,
+            max_path=48,
+            max_transmission=48,
+            max_glossy=48,
+        ),
+    ),
+    'REFERENCE': (
+        "Reference",
+        "As little bias as the method allows, at the price of time",
+        dict(
+            samples=16384,
+            d0=20.0,
+            shrink=0.4,
+            max_path=64,
+            max_camera=64,
+            max_light=64,
+            max_diffuse=64,
+            max_glossy=64,
+            max_transmission=64,
+            max_transparent=64,
+        ),
+    ),
 }
 
 # Settings whose name and value are the stream's own (STREAM.md, `settings`).
 _SAME_IN_STREAM = (
-    "integrator", "seed", "d0", "shrink", "kernel", "mollify_side",
-    "max_path", "max_camera", "max_light",
-    "max_diffuse", "max_glossy", "max_transmission", "max_transparent",
-    "lambda_min", "lambda_max", "uv_rule",
+    "integrator",
+    "seed",
+    "d0",
+    "shrink",
+    "kernel",
+    "mollify_side",
+    "max_path",
+    "max_camera",
+    "max_light",
+    "max_diffuse",
+    "max_glossy",
+    "max_transmission",
+    "max_transparent",
+    "lambda_min",
+    "lambda_max",
+    "uv_rule",
 )
 
 # Narrower than this there is nothing left to render, and the core refuses it.
@@ -79,81 +147,174 @@ class StokesSettings(bpy.types.PropertyGroup):
 
     # Sampling
     integrator: EnumProperty(
-        name="Integrator", description="How light paths are found", items=INTEGRATORS,
-        default='mbdpt')
+        name="Integrator",
+        description="How light paths are found",
+        items=INTEGRATORS,
+        default='mbdpt',
+    )
     samples: IntProperty(
-        name="Samples", description="Paths per pixel of a final render",
-        default=128, min=1, soft_max=16384, max=1 << 24)
+        name="Samples",
+        description="Paths per pixel of a final render",
+        default=128,
+        min=1,
+        soft_max=16384,
+        max=1 << 24,
+    )
     viewport_samples: IntProperty(
-        name="Viewport Samples", description="Paths per pixel in the viewport, after which it rests",
-        default=64, min=1, soft_max=4096, max=1 << 24)
+        name="Viewport Samples",
+        description="Paths per pixel in the viewport, after which it rests",
+        default=64,
+        min=1,
+        soft_max=4096,
+        max=1 << 24,
+    )
     preview_samples: IntProperty(
-        name="Preview Samples", description="Paths per pixel of the little pictures of materials",
-        default=32, min=1, soft_max=512, max=1 << 16)
+        name="Preview Samples",
+        description="Paths per pixel of the little pictures of materials",
+        default=32,
+        min=1,
+        soft_max=512,
+        max=1 << 16,
+    )
     time_limit: FloatProperty(
-        name="Time Limit", subtype='TIME_ABSOLUTE', unit='TIME_ABSOLUTE', precision=1, step=100,
-        description="Stop after this many seconds and keep the picture as it is then. 0 means no limit",
-        default=0.0, min=0.0, soft_max=3600.0, max=1e7)
+        name="Time Limit",
+        subtype='TIME_ABSOLUTE',
+        unit='TIME_ABSOLUTE',
+        precision=1,
+        step=100,
+        description="Stop after this many seconds and keep the picture as it is. 0 means no limit",
+        default=0.0,
+        min=0.0,
+        soft_max=3600.0,
+        max=1e7,
+    )
     seed: IntProperty(
-        name="Seed", description="Another number gives other noise; the same number the same picture, "
-        "bit by bit", default=0, min=0, max=(1 << 31) - 1)
+        name="Seed",
+        description="Another number gives other noise; the same number the same picture, "
+        "bit by bit",
+        default=0,
+        min=0,
+        max=(1 << 31) - 1,
+    )
     animate_seed: BoolProperty(
-        name="Animate Seed", description="Other noise in every frame", default=False)
+        name="Animate Seed", description="Other noise in every frame", default=False
+    )
 
     # Mollification
     d0: FloatProperty(
-        name="Width", description="Half-width of the mollification kernel at the first sample, in nm: "
+        name="Width",
+        description="Half-width of the mollification kernel at the first sample, in nm: "
         "how far apart the wavelengths of two joined paths may be. Wider is less noisy and blurs "
         "colours more",
-        default=50.0, min=0.1, soft_min=5.0, soft_max=100.0, max=500.0, precision=1, step=100)
+        default=50.0,
+        min=0.1,
+        soft_min=5.0,
+        soft_max=100.0,
+        max=500.0,
+        precision=1,
+        step=100,
+    )
     shrink: FloatProperty(
-        name="Shrink", description="Exponent s of the kernel's width d0 · n^(−s) at sample n. 0 keeps the "
-        "width (quick, with a lasting blur of colours); above 0 the blur vanishes with more samples",
-        default=0.2, min=0.0, max=0.99, precision=2, step=1)
+        name="Shrink",
+        description="Exponent s of the kernel's width d0 · n^(−s) at sample n. 0 keeps the "
+        "width (quick, with a lasting blur of colours); above 0 the blur vanishes with time",
+        default=0.2,
+        min=0.0,
+        max=0.99,
+        precision=2,
+        step=1,
+    )
     kernel: EnumProperty(
-        name="Kernel", description="Shape of the mollification", items=KERNELS, default='constant')
+        name="Kernel", description="Shape of the mollification", items=KERNELS, default='constant'
+    )
     mollify_side: EnumProperty(
-        name="Blur At", description="Which surface of a connection is mollified", items=MOLLIFY_SIDES,
-        default='light')
+        name="Blur At",
+        description="Which surface of a connection is mollified",
+        items=MOLLIFY_SIDES,
+        default='light',
+    )
 
     # Light paths
     max_path: IntProperty(
-        name="Total", description="Longest path from a light to the camera, in segments",
-        default=32, min=1, soft_max=64, max=1024)
+        name="Total",
+        description="Longest path from a light to the camera, in segments",
+        default=32,
+        min=1,
+        soft_max=64,
+        max=1024,
+    )
     max_camera: IntProperty(
-        name="From the Camera", description="Longest part of a path traced from the camera, in segments",
-        default=32, min=1, soft_max=64, max=1024)
+        name="From the Camera",
+        description="Longest part of a path traced from the camera, in segments",
+        default=32,
+        min=1,
+        soft_max=64,
+        max=1024,
+    )
     max_light: IntProperty(
-        name="From the Lights", description="Longest part of a path traced from a light, in segments",
-        default=32, min=0, soft_max=64, max=1024)
+        name="From the Lights",
+        description="Longest part of a path traced from a light, in segments",
+        default=32,
+        min=0,
+        soft_max=64,
+        max=1024,
+    )
     max_diffuse: _bounces("Diffuse", "Most diffuse or fluorescent bounces on one path")
     max_glossy: _bounces("Glossy", "Most bounces by reflection on one path")
     max_transmission: _bounces("Transmission", "Most passages through glass on one path")
-    max_transparent: _bounces("Transparent", "Most passages through transparent surfaces on one path")
+    max_transparent: _bounces(
+        "Transparent", "Most passages through transparent surfaces on one path"
+    )
 
     # Wavelengths
     lambda_min: FloatProperty(
-        name="From", description="Shortest wavelength of light in the scene, in nm. The eye sees from "
+        name="From",
+        description="Shortest wavelength of light in the scene, in nm. The eye sees from "
         "about 380 nm; black lights and most dyes need the ultraviolet below it",
-        default=300.0, min=100.0, max=2000.0, precision=0, step=1000, update=_keep_range_open)
+        default=300.0,
+        min=100.0,
+        max=2000.0,
+        precision=0,
+        step=1000,
+        update=_keep_range_open,
+    )
     lambda_max: FloatProperty(
-        name="To", description="Longest wavelength of light in the scene, in nm. The eye sees up to "
+        name="To",
+        description="Longest wavelength of light in the scene, in nm. The eye sees up to "
         "about 780 nm",
-        default=830.0, min=110.0, max=2500.0, precision=0, step=1000, update=_keep_range_open)
+        default=830.0,
+        min=110.0,
+        max=2500.0,
+        precision=0,
+        step=1000,
+        update=_keep_range_open,
+    )
     uv_rule: EnumProperty(
-        name="RGB in the UV", description="What colours given as RGB reflect below 360 nm, where RGB "
-        "says nothing", items=UV_RULES, default='hold')
+        name="RGB in the UV",
+        description="What colours given as RGB reflect below 360 nm, where RGB says nothing",
+        items=UV_RULES,
+        default='hold',
+    )
 
     # Output
     strict: BoolProperty(
-        name="Strict", description="Stop with an error at anything that would not be rendered as in Cycles, "
-        "instead of a warning", default=False)
+        name="Strict",
+        description="Stop with an error at anything that would not be rendered as in Cycles, "
+        "instead of a warning",
+        default=False,
+    )
     use_record: BoolProperty(
-        name="Record", description="Also write the scene as a file that `stokes render` can render "
-        "without Blender", default=False)
+        name="Record",
+        description="Also write the scene as a file that `stokes render` can render "
+        "without Blender",
+        default=False,
+    )
     record_path: StringProperty(
-        name="Scene File", subtype='FILE_PATH', default="//scene.stokes",
-        description="Where the recorded scene goes; # stand for the frame number")
+        name="Scene File",
+        subtype='FILE_PATH',
+        default="//scene.stokes",
+        description="Where the recorded scene goes; # stand for the frame number",
+    )
 
 
 def _decimal(value):
@@ -183,7 +344,8 @@ def sample_count(scene, viewport=False, preview=False):
 
 
 def record_path(scene):
-    """Absolute path of the scene file to record for the current frame, or "" if none is asked for."""
+    """Absolute path of the scene file to record for the current frame, or "" if none is asked
+    for."""
     settings = scene.stokes
     if not settings.use_record or not settings.record_path:
         return ""

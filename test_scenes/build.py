@@ -1,5 +1,6 @@
-"""What the scene scripts share: the add-on of this checkout, their arguments, simple shapes, and the render.
-Each script is run as  blender -b --python test_scenes/NAME.py -- --output DIR --resolution W H --samples N"""
+"""What the scene scripts share: the add-on of this checkout, their arguments, simple shapes, and
+the render. Each script is run as  blender -b --python test_scenes/NAME.py -- --output DIR
+--resolution W H --samples N"""
 
 import argparse
 import math
@@ -18,21 +19,28 @@ def enable_addon():
     if not hasattr(bpy.types.Scene, "stokes"):
         sys.path.insert(0, ROOT)
         import addon
+
         addon.register()
-    return sys.modules[bpy.types.Scene.stokes.keywords["type"].__module__.rpartition(".")[0] + ".nodes"]
+    return sys.modules[
+        bpy.types.Scene.stokes.keywords["type"].__module__.rpartition(".")[0] + ".nodes"
+    ]
 
 
 def arguments(name, resolution, samples):
     """What stands behind "--"."""
     parser = argparse.ArgumentParser(prog=name)
-    parser.add_argument("--output", default=os.path.join(ROOT, "build", "demo"), help="folder for the pictures")
+    parser.add_argument(
+        "--output", default=os.path.join(ROOT, "build", "demo"), help="folder for the pictures"
+    )
     parser.add_argument("--resolution", nargs=2, type=int, default=resolution, metavar=("W", "H"))
     parser.add_argument("--samples", type=int, default=samples)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--integrator", default="mbdpt")
-    parser.add_argument("--engine", default="STOKES", help="CYCLES or an EEVEE shows the approximation")
+    parser.add_argument(
+        "--engine", default="STOKES", help="CYCLES or an EEVEE shows the approximation"
+    )
     parser.add_argument("--save", action="store_true", help="also write the .blend file")
-    words = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     return parser.parse_args(words)
 
 
@@ -42,14 +50,17 @@ def empty_scene():
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("Black")
     scene.world.use_nodes = True
-    background = next(node for node in scene.world.node_tree.nodes if node.bl_idname == "ShaderNodeBackground")
+    background = next(
+        node for node in scene.world.node_tree.nodes if node.bl_idname == "ShaderNodeBackground"
+    )
     background.inputs[0].default_value = (0.0, 0.0, 0.0, 1.0)
     return scene
 
 
-def place(name, data, matrix=Matrix.Identity(4)):
+def place(name, data, matrix=None):
     thing = bpy.data.objects.new(name, data)
-    thing.matrix_world = matrix
+    if matrix is not None:
+        thing.matrix_world = matrix
     bpy.context.scene.collection.objects.link(thing)
     return thing
 
@@ -78,8 +89,8 @@ def quad(name, corners, surface):
 
 
 def box(low, high, walls):
-    """Walls of a box that look inward; `walls` maps floor, ceiling, left, right, back, front to a material, or leaves
-    a side open. X runs to the right, Y to the back, Z up."""
+    """Walls of a box that look inward; `walls` maps floor, ceiling, left, right, back, front to a
+    material, or leaves a side open. X runs to the right, Y to the back, Z up."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     corners = {
         "floor": ((x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0)),
@@ -99,13 +110,17 @@ def sphere(name, center, radius, surface, segments=160):
     points = [(0.0, 0.0, 1.0)]
     for i in range(1, rings):
         theta = math.pi * i / rings
-        points += [(math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta))
-                   for phi in (2.0 * math.pi * k / segments for k in range(segments))]
+        points += [
+            (math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta))
+            for phi in (2.0 * math.pi * k / segments for k in range(segments))
+        ]
     points.append((0.0, 0.0, -1.0))
     faces = [(0, 1 + k, 1 + (k + 1) % segments) for k in range(segments)]
     for i in range(rings - 2):
         a, b = 1 + i * segments, 1 + (i + 1) * segments
-        faces += [(a + k, b + k, b + (k + 1) % segments, a + (k + 1) % segments) for k in range(segments)]
+        faces += [
+            (a + k, b + k, b + (k + 1) % segments, a + (k + 1) % segments) for k in range(segments)
+        ]
     last = 1 + (rings - 2) * segments
     faces += [(last + k, len(points) - 1, last + (k + 1) % segments) for k in range(segments)]
     mesh = bpy.data.meshes.new(name)
@@ -116,7 +131,8 @@ def sphere(name, center, radius, surface, segments=160):
 
 
 def area_lamp(name, center, size, radiance):
-    """A lamp that looks down. Its power in watts is what gives this radiance in the running Blender's Cycles."""
+    """A lamp that looks down. Its power in watts is what gives this radiance in the running
+    Blender's Cycles."""
     light = bpy.data.lights.new(name, 'AREA')
     light.shape = 'RECTANGLE'
     light.size, light.size_y = size
@@ -136,7 +152,8 @@ def camera(position, target, lens_mm):
 
 
 def render(name, options):
-    """Renders by Blender's own operator: NAME.png, NAME.exr and, for `stokes render`, NAME.stokes in the folder."""
+    """Renders by Blender's own operator: NAME.png, NAME.exr and, for `stokes render`, NAME.stokes
+    in the folder."""
     scene = bpy.context.scene
     folder = os.path.abspath(options.output)
     os.makedirs(folder, exist_ok=True)
@@ -155,9 +172,15 @@ def render(name, options):
     scene.render.filepath = path + ".png"
     if options.save:
         bpy.ops.wm.save_as_mainfile(filepath=path + ".blend")
-    print("%s: rendering %d × %d, %d samples" % (name, *options.resolution, options.samples), flush=True)
+    print(
+        "%s: rendering %d × %d, %d samples" % (name, *options.resolution, options.samples),
+        flush=True,
+    )
     start = time.monotonic()
     bpy.ops.render.render(write_still=True)
     scene.render.image_settings.file_format = 'OPEN_EXR'
     bpy.data.images["Render Result"].save_render(path + ".exr", scene=scene)
-    print("%s: %.1f s, wrote %s.png, .exr and .stokes" % (name, time.monotonic() - start, path), flush=True)
+    print(
+        "%s: %.1f s, wrote %s.png, .exr and .stokes" % (name, time.monotonic() - start, path),
+        flush=True,
+    )

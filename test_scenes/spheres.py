@@ -1,5 +1,6 @@
-"""The scene with spheres (supplemental §4.1, figures 4 and 5): a box of grey and fluorescent walls, balls of glass and
-metal in it, a lamp below the ceiling. The ceiling and the left wall are grey, the other planes glow."""
+"""The scene with spheres (supplemental §4.1, figures 4 and 5): a box of grey and fluorescent walls,
+balls of glass and metal in it, a lamp below the ceiling. The ceiling and the left wall are grey,
+the other planes glow."""
 
 import os
 import sys
@@ -28,6 +29,7 @@ def grey_wall(nodes):
         diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
         diffuse.inputs[0].default_value = (*GREY, 1.0)
         return diffuse
+
     return build.material("Grey", make)
 
 
@@ -35,21 +37,30 @@ def painted_wall(nodes, side):
     patch, dye, absorbance = PAINTS[side]
 
     def make(tree):
-        paint = nodes.new(tree, "fluorescent", dye=dye, absorbance=absorbance, sockets={"Yield": YIELD})
-        reflectance = nodes.new(tree, "spectrum_library", colorchecker="colorchecker/" + patch, location=(-350, 250))
+        paint = nodes.new(
+            tree, "fluorescent", dye=dye, absorbance=absorbance, sockets={"Yield": YIELD}
+        )
+        reflectance = nodes.new(
+            tree, "spectrum_library", colorchecker="colorchecker/" + patch, location=(-350, 250)
+        )
         tree.links.new(reflectance.outputs[0], nodes.input_of(paint, "Reflectance"))
         return paint
+
     return build.material("%s with %s" % (patch.capitalize(), dye.partition("_")[0]), make)
 
 
 def glass(nodes, preset):
-    return build.material("Glass " + preset, lambda tree: nodes.new(
-        tree, "dispersive_glass", model='PRESET', preset=preset))
+    return build.material(
+        "Glass " + preset,
+        lambda tree: nodes.new(tree, "dispersive_glass", model='PRESET', preset=preset),
+    )
 
 
 def metal(nodes, name, roughness):
-    return build.material("Metal " + name, lambda tree: nodes.new(
-        tree, "conductor", metal=name, sockets={"Roughness": roughness}))
+    return build.material(
+        "Metal " + name,
+        lambda tree: nodes.new(tree, "conductor", metal=name, sockets={"Roughness": roughness}),
+    )
 
 
 def lamp(nodes):
@@ -74,14 +85,15 @@ def main():
     grey = grey_wall(nodes)
     walls = {"ceiling": grey, "left": grey}
     walls.update((side, painted_wall(nodes, side)) for side in PAINTS)
+    walls["front"] = walls["back"]  # behind the camera
     build.box(LOW, HIGH, walls)
-    build.sphere("Silver", (-0.95, 0.8, 0.8), 0.8, metal(nodes, "Ag", 0.0))
-    build.sphere("Flint", (0.72, -0.35, 0.62), 0.62, glass(nodes, "SF11"))
-    build.sphere("Gold", (-0.62, -0.78, 0.36), 0.36, metal(nodes, "Au", 0.25))
-    build.sphere("Crown", (0.02, -1.55, 0.22), 0.22, glass(nodes, "BK7"))
-    build.sphere("Copper", (1.45, 1.2, 0.42), 0.42, metal(nodes, "Cu", 0.15))
+    build.sphere("Silver", (-0.92, 0.75, 0.85), 0.85, metal(nodes, "Ag", 0.0))
+    build.sphere("Flint", (0.78, -0.30, 0.68), 0.68, glass(nodes, "SF11"))
+    build.sphere("Gold", (-0.50, -0.95, 0.40), 0.40, metal(nodes, "Au", 0.2))
+    build.sphere("Crown", (0.12, -1.75, 0.22), 0.22, glass(nodes, "BK7"))
+    build.sphere("Copper", (1.50, 1.25, 0.45), 0.45, metal(nodes, "Cu", 0.1))
     lamp(nodes)
-    build.camera((0.0, -3.9, 1.45), (0.05, 0.5, 1.15), 30.0)
+    build.camera((0.0, -3.9, 1.5), (0.05, 0.5, 1.12), 30.0)
     scene.view_settings.view_transform = 'Standard'
     scene.view_settings.exposure = 0.0
     build.render("spheres", options)

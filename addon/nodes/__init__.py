@@ -1,5 +1,5 @@
-"""Stokes' own nodes. `new(tree, "fluorescent", dye="...")` makes one from a script; the Add menu and
-`bpy.ops.stokes.add_node` make one by hand. To add a node: a file here, its line in KINDS."""
+"""Stokes' own nodes. `new(tree, "fluorescent", dye="...")` makes one from a script; the Add menu
+and `bpy.ops.stokes.add_node` make one by hand. To add a node: a file here, its line in KINDS."""
 
 import bpy
 from bpy.props import PointerProperty, StringProperty
@@ -9,18 +9,30 @@ from . import conductor, dispersive_glass, fluorescent
 from . import spectrum_blackbody, spectrum_constant, spectrum_file, spectrum_gaussian
 from . import spectrum_illuminant, spectrum_library, spectrum_line, spectrum_rgb
 
-KINDS = {kind.name: kind for kind in (
-    fluorescent.KIND, dispersive_glass.KIND, conductor.KIND,
-    spectrum_library.KIND, spectrum_file.KIND, spectrum_illuminant.KIND, spectrum_blackbody.KIND,
-    spectrum_gaussian.KIND, spectrum_line.KIND, spectrum_constant.KIND, spectrum_rgb.KIND,
-)}
+KINDS = {
+    kind.name: kind
+    for kind in (
+        fluorescent.KIND,
+        dispersive_glass.KIND,
+        conductor.KIND,
+        spectrum_library.KIND,
+        spectrum_file.KIND,
+        spectrum_illuminant.KIND,
+        spectrum_blackbody.KIND,
+        spectrum_gaussian.KIND,
+        spectrum_line.KIND,
+        spectrum_constant.KIND,
+        spectrum_rgb.KIND,
+    )
+}
 
 
 def _settings_class():
     """The settings of all kinds under one roof, so that one pointer on a node holds any of them."""
     members = {"kind": StringProperty(name="Kind", description="Which Stokes node this is, if any")}
     members.update(
-        (kind.name, PointerProperty(type=kind.Settings)) for kind in KINDS.values() if kind.Settings)
+        (kind.name, PointerProperty(type=kind.Settings)) for kind in KINDS.values() if kind.Settings
+    )
     return type("StokesNodeSettings", (bpy.types.PropertyGroup,), {"__annotations__": members})
 
 
@@ -28,7 +40,8 @@ StokesNodeSettings = None
 
 
 def kind_of(node):
-    """The NodeKind of a node, or None. A node that was added as a plain group is known by its tree."""
+    """The NodeKind of a node, or None. A node that was added as a plain group is known by its
+    tree."""
     settings = _tagged(node)
     return KINDS.get(settings.kind) if settings else None
 
@@ -49,8 +62,9 @@ def _tagged(node):
 
 
 def new(tree, kind_name, location=None, sockets=None, **settings):
-    """Adds a Stokes node to a shader node tree. `settings` are those of the sidebar, `sockets` values of its
-    inputs by name. Raises KeyError for an unknown kind, TypeError or AttributeError for a wrong setting."""
+    """Adds a Stokes node to a shader node tree. `settings` are those of the sidebar, `sockets`
+    values of its inputs by name. Raises KeyError for an unknown kind, TypeError or AttributeError
+    for a wrong setting."""
     kind = KINDS[kind_name]
     group = bpy.data.node_groups.new(".Stokes " + kind.label, "ShaderNodeTree")
     base.make_interface(group, kind)

@@ -5,8 +5,11 @@ import bpy
 from bpy.props import EnumProperty
 
 UNITS = (
-    ('total', "Power",
-     "The shape of the spectrum is normalised, so that the strength of the lamp is all of its power"),
+    (
+        'total',
+        "Power",
+        "The spectrum is normalised, so that the strength of the lamp is all of its power",
+    ),
     ('per_nm', "Per Nanometre", "The values are strength per nm, as they stand"),
 )
 
@@ -27,7 +30,7 @@ class Socket:
 class NodeKind:
     """Base of all kinds; one instance per file of this folder."""
 
-    name = ""       # the tag; also the name of its settings
+    name = ""  # the tag; also the name of its settings
     label = ""
     tooltip = ""
     category = 'SHADER'  # or 'SPECTRUM'
@@ -45,7 +48,8 @@ class NodeKind:
         return self.label
 
     def changed(self, node, settings):
-        """After a setting of `node` changed: adjust sockets that the setting makes useless or sets."""
+        """After a setting of `node` changed: adjust sockets that the setting makes useless or
+        sets."""
 
     def draw(self, layout, settings, node):
         """The settings in the sidebar."""
@@ -119,15 +123,19 @@ class Inside:
 
 
 _SOCKET_TYPES = {
-    'COLOR': "NodeSocketColor", 'FACTOR': "NodeSocketFloat", 'FLOAT': "NodeSocketFloat",
-    'VECTOR': "NodeSocketVector", 'SHADER': "NodeSocketShader",
+    'COLOR': "NodeSocketColor",
+    'FACTOR': "NodeSocketFloat",
+    'FLOAT': "NodeSocketFloat",
+    'VECTOR': "NodeSocketVector",
+    'SHADER': "NodeSocketShader",
 }
 
 
 def _add_socket(tree, socket, in_out):
     if hasattr(tree, "interface"):  # 4.0 and later
         item = tree.interface.new_socket(
-            name=socket.name, in_out=in_out, socket_type=_SOCKET_TYPES[socket.kind])
+            name=socket.name, in_out=in_out, socket_type=_SOCKET_TYPES[socket.kind]
+        )
         if socket.kind == 'FACTOR':
             item.subtype = 'FACTOR'
     else:
@@ -141,8 +149,7 @@ def _add_socket(tree, socket, in_out):
         item.min_value = socket.low
         item.max_value = socket.high
     if socket.default is not None:
-        item.default_value = (
-            (*socket.default, 1.0) if socket.kind == 'COLOR' else socket.default)
+        item.default_value = (*socket.default, 1.0) if socket.kind == 'COLOR' else socket.default
 
 
 def make_interface(tree, kind):
@@ -179,13 +186,18 @@ def on_change(self, _context):
     node = find_node(self)
     if node is not None:
         from . import refresh
+
         refresh(node)
 
 
 def unit_property():
     return EnumProperty(
-        name="As a Light", description="How strong a light of this spectrum is", items=UNITS,
-        default='total', update=on_change)
+        name="As a Light",
+        description="How strong a light of this spectrum is",
+        items=UNITS,
+        default='total',
+        update=on_change,
+    )
 
 
 NORMAL = Socket("Normal", 'VECTOR', tooltip="A Normal Map node, or nothing", hidden=True)

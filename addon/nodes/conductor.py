@@ -7,16 +7,38 @@ from . import library
 from .base import BSDF_OUT, NORMAL, NodeKind, Socket, on_change
 
 _LABELS = {
-    "Ag": "Silver", "Al": "Aluminium", "Au": "Gold", "Be": "Beryllium", "Co": "Cobalt", "Cr": "Chromium",
-    "Cu": "Copper", "Fe": "Iron", "Hg": "Mercury", "Ir": "Iridium", "Li": "Lithium", "Mg": "Magnesium",
-    "Mo": "Molybdenum", "Ni": "Nickel", "Nb": "Niobium", "Os": "Osmium", "Pd": "Palladium", "Pt": "Platinum",
-    "Rh": "Rhodium", "Ta": "Tantalum", "Ti": "Titanium", "V": "Vanadium", "W": "Tungsten", "Zn": "Zinc",
-    "Zr": "Zirconium", "TiN": "Titanium Nitride", "brass": "Brass",
+    "Ag": "Silver",
+    "Al": "Aluminium",
+    "Au": "Gold",
+    "Be": "Beryllium",
+    "Co": "Cobalt",
+    "Cr": "Chromium",
+    "Cu": "Copper",
+    "Fe": "Iron",
+    "Hg": "Mercury",
+    "Ir": "Iridium",
+    "Li": "Lithium",
+    "Mg": "Magnesium",
+    "Mo": "Molybdenum",
+    "Ni": "Nickel",
+    "Nb": "Niobium",
+    "Os": "Osmium",
+    "Pd": "Palladium",
+    "Pt": "Platinum",
+    "Rh": "Rhodium",
+    "Ta": "Tantalum",
+    "Ti": "Titanium",
+    "V": "Vanadium",
+    "W": "Tungsten",
+    "Zn": "Zinc",
+    "Zr": "Zirconium",
+    "TiN": "Titanium Nitride",
+    "brass": "Brass",
 }
 
 
 def metals():
-    return [name[len("metal/"):-len("/k")] for name in library.names("metal/", "/k")]
+    return [name[len("metal/") : -len("/k")] for name in library.names("metal/", "/k")]
 
 
 def label_of(metal):
@@ -25,20 +47,22 @@ def label_of(metal):
 
 class StokesConductorSettings(bpy.types.PropertyGroup):
     metal: EnumProperty(
-        name="Metal", description="A measured metal",
+        name="Metal",
+        description="A measured metal",
         items=library.enum_items(
-            (name, label_of(name), "%s (%s)" % (label_of(name), name)) for name in sorted(metals(), key=label_of)),
-        default="Ag", update=on_change)
+            (name, label_of(name), "%s (%s)" % (label_of(name), name))
+            for name in sorted(metals(), key=label_of)
+        ),
+        default="Ag",
+        update=on_change,
+    )
 
 
 class Conductor(NodeKind):
     name = "conductor"
     label = "Conductor"
     tooltip = "A real metal"
-    inputs = (
-        Socket("Roughness", 'FACTOR', 0.1, 0.0, 1.0, "0 is a perfect mirror"),
-        NORMAL,
-    )
+    inputs = (Socket("Roughness", 'FACTOR', 0.1, 0.0, 1.0, "0 is a perfect mirror"), NORMAL)
     outputs = (BSDF_OUT,)
     Settings = StokesConductorSettings
 

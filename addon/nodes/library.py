@@ -1,5 +1,6 @@
-"""The spectrum library as the interface needs it: names for drop-downs, values for plots and colours.
-library.json is made from the core's own library by library_make.py; rendering uses the core's."""
+"""The spectrum library as the interface needs it: names for drop-downs, values for plots and
+colours. library.json is made from the core's own library by library_make.py; rendering uses the
+core's."""
 
 import json
 import os
@@ -10,8 +11,11 @@ import mathutils
 _data = None
 
 # Linear Rec. 709 from XYZ (ITU-R BT.709 primaries, D65).
-_REC709 = ((3.2404542, -1.5371385, -0.4985314), (-0.9692660, 1.8760108, 0.0415560),
-           (0.0556434, -0.2040259, 1.0572252))
+_REC709 = (
+    (3.2404542, -1.5371385, -0.4985314),
+    (-0.9692660, 1.8760108, 0.0415560),
+    (0.0556434, -0.2040259, 1.0572252),
+)
 
 
 def _library():
@@ -24,7 +28,9 @@ def _library():
 
 
 def names(prefix="", suffix=""):
-    return [name for name in _library()["entries"] if name.startswith(prefix) and name.endswith(suffix)]
+    return [
+        name for name in _library()["entries"] if name.startswith(prefix) and name.endswith(suffix)
+    ]
 
 
 def values(name):
@@ -38,7 +44,8 @@ def wavelengths():
 
 
 def on_grid(table, hold):
-    """A table [(nm, value)] in ascending order, on the grid; outside its ends 0, or the end's value."""
+    """A table [(nm, value)] in ascending order, on the grid; outside its ends 0, or the end's
+    value."""
     result, at = [], 0
     for nm in wavelengths():
         while at + 2 < len(table) and table[at + 1][0] < nm:
@@ -96,7 +103,8 @@ def monochromatic(nm):
 
 
 def _rgb(light, white):
-    """Colour of a light in the scene's working space, Y = 1 for the white. What lies outside the gamut is cut."""
+    """Colour of a light in the scene's working space, Y = 1 for the white. What lies outside the
+    gamut is cut."""
     observer = _library()["observer"]
     luminance = sum(y * e for y, e in zip(observer[1], white))
     xyz = [sum(c * e for c, e in zip(curve, light)) / luminance for curve in observer]
@@ -108,20 +116,40 @@ def _rgb(light, white):
 
 
 def number(name):
-    """A number for an enum item that stays the same when the library grows: files store the number."""
-    return zlib.crc32(name.encode()) & 0x3fffffff
+    """A number for an enum item that stays the same when the library grows: files store the
+    number."""
+    return zlib.crc32(name.encode()) & 0x3FFFFFFF
 
 
 # Names of dyes whose capitals no rule gives.
 _CAPITALS = {
-    "atto": "ATTO", "bodipy": "BODIPY", "bpea": "BPEA", "dapi": "DAPI", "dcm": "DCM", "dna": "DNA", "dsred": "DsRed",
-    "ecfp": "ECFP", "egfp": "EGFP", "eyfp": "EYFP", "fl": "FL", "gfp": "GFP", "h2so4": "H₂SO₄", "pbs": "PBS",
-    "ph13": "pH 13", "popop": "POPOP", "r": "R", "r6g": "R6G", "6g": "6G", "b": "B", "o": "O", "y": "Y",
+    "atto": "ATTO",
+    "bodipy": "BODIPY",
+    "bpea": "BPEA",
+    "dapi": "DAPI",
+    "dcm": "DCM",
+    "dna": "DNA",
+    "dsred": "DsRed",
+    "ecfp": "ECFP",
+    "egfp": "EGFP",
+    "eyfp": "EYFP",
+    "fl": "FL",
+    "gfp": "GFP",
+    "h2so4": "H₂SO₄",
+    "pbs": "PBS",
+    "ph13": "pH 13",
+    "popop": "POPOP",
+    "r": "R",
+    "r6g": "R6G",
+    "6g": "6G",
+    "b": "B",
+    "o": "O",
+    "y": "Y",
 }
 
 
 def pretty(dye):
-    """"rhodamine-6g_ethanol" → "Rhodamine 6G in ethanol"."""
+    """ "rhodamine-6g_ethanol" → "Rhodamine 6G in ethanol"."""
     name, _, solvent = dye.partition("_")
     title = " ".join(_CAPITALS.get(part, part.capitalize()) for part in name.split("-"))
     medium = " ".join(_CAPITALS.get(part, part) for part in solvent.split("-"))

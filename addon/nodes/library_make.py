@@ -1,5 +1,5 @@
-"""Writes library.json: the core's spectrum library on a coarse grid, for plots, swatches and drop-downs.
-Not part of the add-on at run time. Needs the package `colour-science` (BSD 3-Clause; CIE 1931 observer, D65):
+"""Writes library.json: the core's spectrum library on a coarse grid, for plots, colours and menus. Not
+part of the add-on at run time. Needs the package `colour-science` (BSD 3-Clause).
 
     python3 addon/nodes/library_make.py build/stokes
 """
@@ -15,11 +15,16 @@ GRID = str(FIRST), str(LAST), str(STEP)
 
 def core_library(stokes):
     """{name: values on the grid}"""
+
     def run(*arguments):
-        return subprocess.run([stokes, "spectrum", *arguments], check=True, timeout=60,
-                              capture_output=True, text=True).stdout
-    return {name: [number(line.split()[1]) for line in run("show", name, *GRID).splitlines()]
-            for name in run("list").splitlines()}
+        return subprocess.run(
+            [stokes, "spectrum", *arguments], check=True, timeout=60, capture_output=True, text=True
+        ).stdout
+
+    return {
+        name: [number(line.split()[1]) for line in run("show", name, *GRID).splitlines()]
+        for name in run("list").splitlines()
+    }
 
 
 def number(value):
@@ -28,18 +33,28 @@ def number(value):
 
 def observer():
     import colour
-    cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(
-        colour.SpectralShape(FIRST, LAST, STEP),
-        extrapolator_kwargs={"method": "Constant", "left": 0, "right": 0}).values
+
+    cmfs = (
+        colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+        .copy()
+        .align(
+            colour.SpectralShape(FIRST, LAST, STEP),
+            extrapolator_kwargs={"method": "Constant", "left": 0, "right": 0},
+        )
+        .values
+    )
     return [[number(v) for v in cmfs[:, i]] for i in range(3)]
 
 
 def illuminants():
     """Those that the core computes and so does not list."""
     import colour
+
     shape = colour.SpectralShape(FIRST, LAST, STEP)
-    return {name: [number(v) for v in colour.SDS_ILLUMINANTS[name].copy().align(shape).values]
-            for name in ("A", "D50", "D55", "D65", "D75")}
+    return {
+        name: [number(v) for v in colour.SDS_ILLUMINANTS[name].copy().align(shape).values]
+        for name in ("A", "D50", "D55", "D65", "D75")
+    }
 
 
 def write(entries, path):
@@ -48,11 +63,18 @@ def write(entries, path):
     head = {"first": FIRST, "step": STEP, "observer": observer(), "d65": entries["illuminant/D65"]}
     with open(path + ".new", "w", encoding="utf-8") as out:
         out.write(json.dumps(head, separators=(",", ":"))[:-1] + ',"entries":{\n')
-        out.write(",\n".join(json.dumps(name) + ":" + json.dumps(entries[name], separators=(",", ":"))
-                             for name in sorted(entries)))
+        out.write(
+            ",\n".join(
+                json.dumps(name) + ":" + json.dumps(entries[name], separators=(",", ":"))
+                for name in sorted(entries)
+            )
+        )
         out.write("\n}}\n")
     os.replace(path + ".new", path)
 
 
 if __name__ == "__main__":
-    write(core_library(sys.argv[1]), os.path.join(os.path.dirname(os.path.abspath(__file__)), "library.json"))
+    write(
+        core_library(sys.argv[1]),
+        os.path.join(os.path.dirname(os.path.abspath(__file__)), "library.json"),
+    )

@@ -29,7 +29,10 @@ class SpectrumBlackbody(NodeKind):
 
 def curve(kelvin):
     """Planck's law, with a peak of 1 on the grid. hc/k is in nm·K."""
-    values = [nm ** -5.0 / math.expm1(min(700.0, 1.438776877e7 / (nm * kelvin))) for nm in library.wavelengths()]
+    values = [
+        nm**-5.0 / math.expm1(min(700.0, 1.438776877e7 / (nm * kelvin)))
+        for nm in library.wavelengths()
+    ]
     top = max(values)
     return [value / top for value in values]
 

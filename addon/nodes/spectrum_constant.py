@@ -14,7 +14,9 @@ class SpectrumConstant(NodeKind):
     label = "Constant Spectrum"
     tooltip = "The same at every wavelength"
     category = 'SPECTRUM'
-    inputs = (Socket("Value", 'FLOAT', 0.5, 0.0, 1e6, "Grey is the same share of every wavelength"),)
+    inputs = (
+        Socket("Value", 'FLOAT', 0.5, 0.0, 1e6, "Grey is the same share of every wavelength"),
+    )
     outputs = (COLOR_OUT,)
     Settings = StokesSpectrumConstantSettings
 

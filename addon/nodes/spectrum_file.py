@@ -18,8 +18,8 @@ class SpectrumFileError(Exception):
 
 
 def parse(text, column=1):
-    """[(nm, value)] in ascending order from lines of numbers parted by commas, semicolons or blanks.
-    Lines that do not begin with a number are titles."""
+    """[(nm, value)] in ascending order from lines of numbers parted by commas, semicolons or
+    blanks. Lines that do not begin with a number are titles."""
     table = []
     for number, line in enumerate(text.splitlines(), 1):
         words = line.replace(",", " ").replace(";", " ").split()
@@ -30,7 +30,9 @@ def parse(text, column=1):
         try:
             table.append((nm, float(words[column])))
         except (ValueError, IndexError):
-            raise SpectrumFileError("line %d: no number in column %d" % (number, column + 1)) from None
+            raise SpectrumFileError(
+                "line %d: no number in column %d" % (number, column + 1)
+            ) from None
     if len(table) < 2:
         raise SpectrumFileError("needs at least two lines of wavelength and value")
     table.sort()
@@ -47,7 +49,9 @@ def _read(self, context):
     self.data = ""
     if self.filepath:
         try:
-            with open(bpy.path.abspath(self.filepath), encoding="utf-8-sig", errors="replace") as source:
+            with open(
+                bpy.path.abspath(self.filepath), encoding="utf-8-sig", errors="replace"
+            ) as source:
                 table = parse(source.read(), self.column)
             self.data = " ".join("%.9g %.9g" % row for row in table)
         except (OSError, SpectrumFileError) as error:
@@ -57,15 +61,32 @@ def _read(self, context):
 
 class StokesSpectrumFileSettings(bpy.types.PropertyGroup):
     filepath: StringProperty(
-        name="File", subtype='FILE_PATH', update=_read,
-        description="Lines of a wavelength in nm and a value, parted by commas, semicolons or blanks")
+        name="File",
+        subtype='FILE_PATH',
+        update=_read,
+        description="Lines of a wavelength in nm and a value, parted by commas or blanks",
+    )
     column: IntProperty(
-        name="Column", description="Which column holds the values; the wavelengths are column 0",
-        default=1, min=1, max=1000, update=_read)
-    kind: EnumProperty(name="Holds", description="What the numbers are", items=KINDS, default='REFLECTANCE',
-                       update=on_change)
-    percent: BoolProperty(name="Percent", description="100 in the file means all of the light",
-                          default=False, update=on_change)
+        name="Column",
+        description="Which column holds the values; the wavelengths are column 0",
+        default=1,
+        min=1,
+        max=1000,
+        update=_read,
+    )
+    kind: EnumProperty(
+        name="Holds",
+        description="What the numbers are",
+        items=KINDS,
+        default='REFLECTANCE',
+        update=on_change,
+    )
+    percent: BoolProperty(
+        name="Percent",
+        description="100 in the file means all of the light",
+        default=False,
+        update=on_change,
+    )
     data: StringProperty(name="Data", description="What was read from the file")
     problem: StringProperty(name="Problem", description="Why the file could not be read")
     unit: unit_property()
@@ -86,7 +107,9 @@ class SpectrumFile(NodeKind):
 
     def build(self, inside, settings):
         values = curve(settings)
-        color = library.emitted(values) if settings.kind == 'EMISSION' else library.reflected(values)
+        color = (
+            library.emitted(values) if settings.kind == 'EMISSION' else library.reflected(values)
+        )
         inside.result(inside.rgb(color))
 
     def draw(self, layout, settings, node):

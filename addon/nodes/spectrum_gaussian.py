@@ -19,8 +19,17 @@ class SpectrumGaussian(NodeKind):
     category = 'SPECTRUM'
     inputs = (
         Socket("Mean", 'FLOAT', 550.0, 200.0, 1000.0, "Wavelength of the peak, nm"),
-        Socket("Sigma", 'FLOAT', 20.0, 1.0, 300.0, "Standard deviation, nm. An LED has about 8 to 15"),
-        Socket("Peak", 'FLOAT', 1.0, 0.0, 1e6, "Value at the peak. A light of given power does not look at it"),
+        Socket(
+            "Sigma", 'FLOAT', 20.0, 1.0, 300.0, "Standard deviation, nm. An LED has about 8 to 15"
+        ),
+        Socket(
+            "Peak",
+            'FLOAT',
+            1.0,
+            0.0,
+            1e6,
+            "Value at the peak. A light of given power does not look at it",
+        ),
     )
     outputs = (COLOR_OUT,)
     Settings = StokesSpectrumGaussianSettings

@@ -19,8 +19,12 @@ ILLUMINANTS = (
 
 class StokesSpectrumIlluminantSettings(bpy.types.PropertyGroup):
     illuminant: EnumProperty(
-        name="Illuminant", description="Which light", items=library.enum_items(ILLUMINANTS), default="D65",
-        update=on_change)
+        name="Illuminant",
+        description="Which light",
+        items=library.enum_items(ILLUMINANTS),
+        default="D65",
+        update=on_change,
+    )
     unit: unit_property()
 
 

@@ -17,16 +17,27 @@ CATEGORIES = {
 
 
 _FIRST = {
-    "colorchecker": "colorchecker/cyan", "dye": "dye/fluorescein_basic-ethanol/absorption",
-    "illuminant": "illuminant/D65", "lamp": "lamp/LED-B4",
+    "colorchecker": "colorchecker/cyan",
+    "dye": "dye/fluorescein_basic-ethanol/absorption",
+    "illuminant": "illuminant/D65",
+    "lamp": "lamp/LED-B4",
 }
 # CIE 015:2018
 _LAMPS = {
-    "HP1": "High-Pressure Sodium", "HP2": "High-Pressure Sodium, Better Colours", "HP3": "Metal Halide, Warm",
-    "HP4": "Metal Halide, Neutral", "HP5": "Metal Halide, Cool", "LED-B1": "White LED 2700 K",
-    "LED-B2": "White LED 3000 K", "LED-B3": "White LED 4000 K", "LED-B4": "White LED 5000 K",
-    "LED-B5": "White LED 6600 K", "LED-BH1": "White LED with Red", "LED-RGB1": "RGB LED",
-    "LED-V1": "Violet-Pumped LED 2700 K", "LED-V2": "Violet-Pumped LED 4000 K",
+    "HP1": "High-Pressure Sodium",
+    "HP2": "High-Pressure Sodium, Better Colours",
+    "HP3": "Metal Halide, Warm",
+    "HP4": "Metal Halide, Neutral",
+    "HP5": "Metal Halide, Cool",
+    "LED-B1": "White LED 2700 K",
+    "LED-B2": "White LED 3000 K",
+    "LED-B3": "White LED 4000 K",
+    "LED-B4": "White LED 5000 K",
+    "LED-B5": "White LED 6600 K",
+    "LED-BH1": "White LED with Red",
+    "LED-RGB1": "RGB LED",
+    "LED-V1": "Violet-Pumped LED 2700 K",
+    "LED-V2": "Violet-Pumped LED 4000 K",
 }
 
 
@@ -54,23 +65,42 @@ def _items(category):
 
 def _entry_property(category):
     return EnumProperty(
-        name="Spectrum", description=CATEGORIES[category][1], items=_items(category),
-        default=_FIRST[category], update=on_change)
+        name="Spectrum",
+        description=CATEGORIES[category][1],
+        items=_items(category),
+        default=_FIRST[category],
+        update=on_change,
+    )
 
 
 def _settings_class():
     """One drop-down for each category, so that no list is longer than what an eye can search."""
-    members = {"category": EnumProperty(
-        name="Category", description="What kind of spectrum",
-        items=library.enum_items((name, *CATEGORIES[name]) for name in categories()),
-        default=categories()[0], update=on_change)}
+    members = {
+        "category": EnumProperty(
+            name="Category",
+            description="What kind of spectrum",
+            items=library.enum_items((name, *CATEGORIES[name]) for name in categories()),
+            default=categories()[0],
+            update=on_change,
+        )
+    }
     members.update((name, _entry_property(name)) for name in categories())
     members["absorbance"] = FloatProperty(
-        name="Absorbance", description="Turns the shape of a dye's absorption into the share of light absorbed, "
-        "1 − 10^(−A · shape). 0 keeps the shape as it is", default=0.0, min=0.0, soft_max=3.0, max=10.0,
-        precision=2, step=10, update=on_change)
+        name="Absorbance",
+        description="Turns the shape of a dye's absorption into the share of light absorbed, "
+        "1 − 10^(−A · shape). 0 keeps the shape as it is",
+        default=0.0,
+        min=0.0,
+        soft_max=3.0,
+        max=10.0,
+        precision=2,
+        step=10,
+        update=on_change,
+    )
     members["unit"] = unit_property()
-    return type("StokesSpectrumLibrarySettings", (bpy.types.PropertyGroup,), {"__annotations__": members})
+    return type(
+        "StokesSpectrumLibrarySettings", (bpy.types.PropertyGroup,), {"__annotations__": members}
+    )
 
 
 class SpectrumLibrary(NodeKind):

@@ -1,4 +1,5 @@
-"""RGB Spectrum: a colour made into a smooth spectrum (Jakob & Hanika 2019), so that it can go where spectra go."""
+"""RGB Spectrum: a colour made into a smooth spectrum (Jakob & Hanika 2019), so that it can go where
+spectra go."""
 
 from .base import COLOR_OUT, NodeKind, Socket
 

@@ -1,4 +1,5 @@
-"""Panels, menus and operators. To add a panel: a class in the file of its tab, its name in that file's CLASSES."""
+"""Panels, menus and operators. To add a panel: a class in the file of its tab, its name in that
+file's CLASSES."""
 
 import bpy
 

@@ -1,15 +1,29 @@
-"""Blender's own panels that also make sense for us: all that a plain renderer has, but those we replace.
-COMPAT_ENGINES must not be guessed from EEVEE's name, which changes (blender.md, row 33)."""
+"""Blender's own panels that also make sense for us: all that a plain renderer has, but those we
+replace. COMPAT_ENGINES must not be guessed from EEVEE's name, which changes (blender.md, row
+33)."""
 
 import bpy
 
 from .base import ENGINE
 
 _OURS_INSTEAD = {
-    'DATA_PT_area', 'DATA_PT_camera_dof', 'DATA_PT_falloff_curve', 'DATA_PT_light', 'DATA_PT_spot',
-    'MATERIAL_PT_context_material', 'MATERIAL_PT_preview', 'NODE_DATA_PT_light', 'NODE_DATA_PT_spot',
-    'OBJECT_PT_visibility', 'VIEWLAYER_PT_filter', 'VIEWLAYER_PT_layer_passes', 'RENDER_PT_post_processing',
-    'RENDER_PT_simplify', 'RENDER_PT_freestyle', 'VIEWLAYER_PT_freestyle', 'EEVEE_MATERIAL_PT_context_material',
+    'DATA_PT_area',
+    'DATA_PT_camera_dof',
+    'DATA_PT_falloff_curve',
+    'DATA_PT_light',
+    'DATA_PT_spot',
+    'MATERIAL_PT_context_material',
+    'MATERIAL_PT_preview',
+    'NODE_DATA_PT_light',
+    'NODE_DATA_PT_spot',
+    'OBJECT_PT_visibility',
+    'VIEWLAYER_PT_filter',
+    'VIEWLAYER_PT_layer_passes',
+    'RENDER_PT_post_processing',
+    'RENDER_PT_simplify',
+    'RENDER_PT_freestyle',
+    'VIEWLAYER_PT_freestyle',
+    'EEVEE_MATERIAL_PT_context_material',
 }
 _touched = []
 

@@ -1,4 +1,5 @@
-"""Lamps by their real spectra: one operator that puts a Spectrum node before the lamp's Emission."""
+"""Lamps by their real spectra: one operator that puts a Spectrum node before the lamp's
+Emission."""
 
 import bpy
 
@@ -8,16 +9,49 @@ from ..export.nodes.outputs import has_nodes
 # (label, tooltip, node kind, settings, values of its sockets)
 SPECTRA = {
     'RGB': ("RGB", "The lamp's colour, as in Cycles", None, {}, {}),
-    'D65': ("Daylight D65", "Noon daylight, with its ultraviolet", "spectrum_illuminant", {"illuminant": "D65"}, {}),
+    'D65': (
+        "Daylight D65",
+        "Noon daylight, with its ultraviolet",
+        "spectrum_illuminant",
+        {"illuminant": "D65"},
+        {},
+    ),
     'A': ("Tungsten", "A light bulb, 2856 K", "spectrum_illuminant", {"illuminant": "A"}, {}),
-    'HOT': ("Blackbody", "Anything that glows with heat", "spectrum_blackbody", {}, {"Temperature": 3200.0}),
-    'UV365': ("Black Light 365 nm", "Invisible by itself; makes dyes glow", "spectrum_gaussian", {},
-              {"Mean": 365.0, "Sigma": 5.0}),
-    'UV395': ("UV LED 395 nm", "A cheap ultraviolet lamp with a violet rim", "spectrum_gaussian", {},
-              {"Mean": 395.0, "Sigma": 6.0}),
-    'BLUE': ("Blue LED 450 nm", "Drives green, yellow and orange dyes", "spectrum_gaussian", {},
-             {"Mean": 450.0, "Sigma": 9.0}),
-    'SODIUM': ("Sodium Lamp", "Yellow light of one wavelength", "spectrum_line", {}, {"Center": 589.3, "Width": 2.0}),
+    'HOT': (
+        "Blackbody",
+        "Anything that glows with heat",
+        "spectrum_blackbody",
+        {},
+        {"Temperature": 3200.0},
+    ),
+    'UV365': (
+        "Black Light 365 nm",
+        "Invisible by itself; makes dyes glow",
+        "spectrum_gaussian",
+        {},
+        {"Mean": 365.0, "Sigma": 5.0},
+    ),
+    'UV395': (
+        "UV LED 395 nm",
+        "A cheap ultraviolet lamp with a violet rim",
+        "spectrum_gaussian",
+        {},
+        {"Mean": 395.0, "Sigma": 6.0},
+    ),
+    'BLUE': (
+        "Blue LED 450 nm",
+        "Drives green, yellow and orange dyes",
+        "spectrum_gaussian",
+        {},
+        {"Mean": 450.0, "Sigma": 9.0},
+    ),
+    'SODIUM': (
+        "Sodium Lamp",
+        "Yellow light of one wavelength",
+        "spectrum_line",
+        {},
+        {"Center": 589.3, "Width": 2.0},
+    ),
     'LASER': ("Green Laser", "532 nm", "spectrum_line", {}, {"Center": 532.0, "Width": 1.0}),
 }
 
@@ -58,12 +92,14 @@ def _emission_of(tree):
 
 class STOKES_OT_light_spectrum(bpy.types.Operator):
     """Give the lamp the spectrum of a real light"""
+
     bl_idname = "stokes.light_spectrum"
     bl_label = "Set Spectrum"
     bl_options = {'REGISTER', 'UNDO'}
 
     spectrum: bpy.props.EnumProperty(
-        name="Spectrum", items=[(name, entry[0], entry[1]) for name, entry in SPECTRA.items()])
+        name="Spectrum", items=[(name, entry[0], entry[1]) for name, entry in SPECTRA.items()]
+    )
 
     @classmethod
     def poll(cls, context):

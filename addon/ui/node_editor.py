@@ -1,4 +1,5 @@
-"""The shader editor: our Add menu, the operator behind it, and the sidebar with a node's settings and its curve."""
+"""The shader editor: our Add menu, the operator behind it, and the sidebar with a node's settings
+and its curve."""
 
 import bpy
 
@@ -11,11 +12,24 @@ _FIRST_LOOK = {"fluorescent": {"dye": "fluorescein_basic-ethanol"}}
 
 # 3.4's own Add menu hides these from engines it does not know (blender.md, row 18).
 _HIDDEN_SHADERS = (
-    "ShaderNodeBsdfPrincipled", "ShaderNodeBsdfDiffuse", "ShaderNodeBsdfGlossy", "ShaderNodeBsdfGlass",
-    "ShaderNodeBsdfRefraction", "ShaderNodeBsdfTransparent", "ShaderNodeBsdfTranslucent",
-    "ShaderNodeBsdfAnisotropic", "ShaderNodeSubsurfaceScattering", "ShaderNodeBsdfVelvet", "ShaderNodeBsdfToon",
-    "ShaderNodeEmission", "ShaderNodeBackground", "ShaderNodeHoldout", "ShaderNodeMixShader", "ShaderNodeAddShader",
-    "ShaderNodeOutputMaterial", "ShaderNodeOutputLight",
+    "ShaderNodeBsdfPrincipled",
+    "ShaderNodeBsdfDiffuse",
+    "ShaderNodeBsdfGlossy",
+    "ShaderNodeBsdfGlass",
+    "ShaderNodeBsdfRefraction",
+    "ShaderNodeBsdfTransparent",
+    "ShaderNodeBsdfTranslucent",
+    "ShaderNodeBsdfAnisotropic",
+    "ShaderNodeSubsurfaceScattering",
+    "ShaderNodeBsdfVelvet",
+    "ShaderNodeBsdfToon",
+    "ShaderNodeEmission",
+    "ShaderNodeBackground",
+    "ShaderNodeHoldout",
+    "ShaderNodeMixShader",
+    "ShaderNodeAddShader",
+    "ShaderNodeOutputMaterial",
+    "ShaderNodeOutputLight",
 )
 
 
@@ -28,12 +42,14 @@ def shader_tree(context):
 
 class STOKES_OT_add_node(bpy.types.Operator):
     """Add a Stokes node"""
+
     bl_idname = "stokes.add_node"
     bl_label = "Add Stokes Node"
     bl_options = {'REGISTER', 'UNDO'}
 
     kind: bpy.props.EnumProperty(
-        name="Node", items=[(kind.name, kind.label, kind.tooltip) for kind in nodes.KINDS.values()])
+        name="Node", items=[(kind.name, kind.label, kind.tooltip) for kind in nodes.KINDS.values()]
+    )
 
     @classmethod
     def description(cls, _context, operator):
@@ -113,7 +129,11 @@ class STOKES_PT_node(bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         node = context.active_node
-        return shader_tree(context) is not None and node is not None and nodes.kind_of(node) is not None
+        return (
+            shader_tree(context) is not None
+            and node is not None
+            and nodes.kind_of(node) is not None
+        )
 
     def draw(self, context):
         draw_settings(self.layout, context.active_node)
@@ -133,6 +153,7 @@ def draw_settings(layout, node):
 
 class STOKES_PT_material_node(bpy.types.Panel):
     """The same settings in the Material tab, for whoever works without the node editor."""
+
     bl_label = "Stokes Nodes"
     bl_space_type = 'PROPERTIES'
     bl_region_type = 'WINDOW'
@@ -176,8 +197,14 @@ def _stokes_nodes(owner):
             yield node
 
 
-CLASSES = (STOKES_OT_add_node, STOKES_MT_add, STOKES_MT_add_shader, STOKES_PT_node, STOKES_PT_material_node,
-           STOKES_PT_light_node)
+CLASSES = (
+    STOKES_OT_add_node,
+    STOKES_MT_add,
+    STOKES_MT_add_shader,
+    STOKES_PT_node,
+    STOKES_PT_material_node,
+    STOKES_PT_light_node,
+)
 
 
 def register():

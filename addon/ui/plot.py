@@ -1,11 +1,19 @@
-"""Curves of spectra in the sidebar: a small picture drawn in Python, over the colours of the wavelengths."""
+"""Curves of spectra in the sidebar: a small picture drawn in Python, over the colours of the
+wavelengths."""
 
 import array
 
 import bpy
 
 from .. import nodes
-from ..nodes import fluorescent, library, spectrum_blackbody, spectrum_file, spectrum_gaussian, spectrum_illuminant
+from ..nodes import (
+    fluorescent,
+    library,
+    spectrum_blackbody,
+    spectrum_file,
+    spectrum_gaussian,
+    spectrum_illuminant,
+)
 from ..nodes import spectrum_library, spectrum_line
 
 SIZE = 128
@@ -24,8 +32,10 @@ def curves(node):
         if settings.dye == fluorescent.CUSTOM:
             return []
         absorption = library.values("dye/%s/absorption" % settings.dye)
-        return [(library.absorbed(settings.absorbance, absorption), _ABSORBED),
-                (library.values("dye/%s/emission" % settings.dye), _GLOW)]
+        return [
+            (library.absorbed(settings.absorbance, absorption), _ABSORBED),
+            (library.values("dye/%s/emission" % settings.dye), _GLOW),
+        ]
     return [(values, _PLAIN) for values in _spectrum(kind.name, settings, node)]
 
 
@@ -81,7 +91,7 @@ def paint(shown):
             color = back if y > 1 else tuple(0.5 + 0.5 * channel for channel in back)
             for heights, (_values, line) in zip(columns, shown):
                 color = _over(color, line, _coverage(heights, x, y))
-            pixels[at:at + 4] = array.array("f", (*color, 1.0))
+            pixels[at : at + 4] = array.array("f", (*color, 1.0))
     return pixels
 
 
@@ -99,7 +109,7 @@ def _curve_heights(values):
 
 def _coverage(heights, x, y):
     """How much of a pixel the line covers: it runs through every height between its two edges."""
-    low, high = sorted(heights[x:x + 2])
+    low, high = sorted(heights[x : x + 2])
     distance = max(low - (y + 0.5), (y + 0.5) - high, 0.0)
     line = max(0.0, min(1.0, 1.6 - distance))
     return max(line, 0.16 if y < low else 0.0)
@@ -119,6 +129,7 @@ def register():
     global _pictures
     if not bpy.app.background:  # nobody looks, and icons need a window
         from bpy.utils import previews
+
         _pictures = previews.new()
 
 
@@ -126,5 +137,6 @@ def unregister():
     global _pictures
     if _pictures is not None:
         from bpy.utils import previews
+
         previews.remove(_pictures)
         _pictures = None

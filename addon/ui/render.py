@@ -9,13 +9,15 @@ from .base import RenderPanel, StokesPanel, column_of
 
 class STOKES_OT_preset(bpy.types.Operator):
     """Set several settings at once"""
+
     bl_idname = "stokes.preset"
     bl_label = "Stokes Preset"
     bl_options = {'REGISTER', 'UNDO'}
 
     name: bpy.props.EnumProperty(
         name="Preset",
-        items=[(key, label, tooltip) for key, (label, tooltip, _) in properties.PRESETS.items()])
+        items=[(key, label, tooltip) for key, (label, tooltip, _) in properties.PRESETS.items()],
+    )
 
     @classmethod
     def description(cls, _context, operator):
@@ -87,8 +89,10 @@ class STOKES_PT_light_paths(RenderPanel, bpy.types.Panel):
     def draw(self, context):
         settings = context.scene.stokes
         column = column_of(self.layout)
-        for names in (("max_path", "max_camera", "max_light"),
-                      ("max_diffuse", "max_glossy", "max_transmission", "max_transparent")):
+        for names in (
+            ("max_path", "max_camera", "max_light"),
+            ("max_diffuse", "max_glossy", "max_transmission", "max_transparent"),
+        ):
             group = column.column(align=True)
             for name in names:
                 group.prop(settings, name)
@@ -169,7 +173,16 @@ class STOKES_PT_view_layer(StokesPanel, bpy.types.Panel):
 
 
 CLASSES = (
-    STOKES_OT_preset, STOKES_MT_presets, STOKES_PT_sampling, STOKES_PT_sampling_advanced, STOKES_PT_mollification,
-    STOKES_PT_light_paths, STOKES_PT_wavelengths, STOKES_PT_film, STOKES_PT_performance, STOKES_PT_scene_file,
-    STOKES_PT_report, STOKES_PT_view_layer,
+    STOKES_OT_preset,
+    STOKES_MT_presets,
+    STOKES_PT_sampling,
+    STOKES_PT_sampling_advanced,
+    STOKES_PT_mollification,
+    STOKES_PT_light_paths,
+    STOKES_PT_wavelengths,
+    STOKES_PT_film,
+    STOKES_PT_performance,
+    STOKES_PT_scene_file,
+    STOKES_PT_report,
+    STOKES_PT_view_layer,
 )

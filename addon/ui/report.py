@@ -1,4 +1,5 @@
-"""What is not rendered as in Cycles, listed by material, light and world: of the last look or the last export."""
+"""What is not rendered as in Cycles, listed by material, light and world: of the last look or the
+last export."""
 
 import bpy
 
@@ -8,7 +9,8 @@ _warnings = None  # [(owner, property, text)] of the last check or export; None:
 
 
 def keep(warnings):
-    """The engine's last export tells here what it had to replace. Entries are (owner, property, text)."""
+    """The engine's last export tells here what it had to replace. Entries are (owner, property,
+    text)."""
     global _warnings
     _warnings = [tuple(entry) for entry in warnings]
 
@@ -38,6 +40,7 @@ class NodeCheck:
 def check(scene):
     """Warnings of all materials, lights and the world of a scene."""
     from ..export import nodes
+
     context = NodeCheck(scene)
     materials, lights = set(), set()
     for thing in scene.objects:
@@ -54,15 +57,21 @@ def check(scene):
 
 
 class STOKES_OT_check_scene(bpy.types.Operator):
-    """Look through all materials, lights and the world for what Stokes cannot render as Cycles does"""
+    """Look through all materials, lights and the world for what Stokes cannot render as Cycles
+    does"""
+
     bl_idname = "stokes.check_scene"
     bl_label = "Check Scene"
 
     def execute(self, context):
         keep(check(context.scene))
         count = len(_warnings)
-        self.report({'INFO'}, "Everything is supported" if not count else
-                    "%d thing%s not rendered as in Cycles" % (count, "s are" if count > 1 else " is"))
+        self.report(
+            {'INFO'},
+            "Everything is supported"
+            if not count
+            else "%d thing%s not rendered as in Cycles" % (count, "s are" if count > 1 else " is"),
+        )
         return {'FINISHED'}
 
 

@@ -13,6 +13,7 @@ class ShadingPanel(StokesPanel):
 
 class STOKES_OT_use_nodes(bpy.types.Operator):
     """Give this material, light or world a node tree"""
+
     bl_idname = "stokes.use_nodes"
     bl_label = "Use Nodes"
     bl_options = {'REGISTER', 'UNDO'}
@@ -35,7 +36,9 @@ def draw_tree(layout, owner, socket_identifier="Surface"):
     if output is None:
         layout.label(text="No output node", icon='ERROR')
         return True
-    socket = next((socket for socket in output.inputs if socket.identifier == socket_identifier), None)
+    socket = next(
+        (socket for socket in output.inputs if socket.identifier == socket_identifier), None
+    )
     layout.template_node_view(owner.node_tree, output, socket)
     return True
 
@@ -54,8 +57,15 @@ class STOKES_PT_material_slots(ShadingPanel, bpy.types.Panel):
         shown, slot = context.object, context.material_slot
         if shown:
             row = layout.row()
-            row.template_list("MATERIAL_UL_matslots", "", shown, "material_slots", shown, "active_material_index",
-                              rows=5 if len(shown.material_slots) > 1 else 3)
+            row.template_list(
+                "MATERIAL_UL_matslots",
+                "",
+                shown,
+                "material_slots",
+                shown,
+                "active_material_index",
+                rows=5 if len(shown.material_slots) > 1 else 3,
+            )
             column = row.column(align=True)
             column.operator("object.material_slot_add", icon='ADD', text="")
             column.operator("object.material_slot_remove", icon='REMOVE', text="")
@@ -63,13 +73,22 @@ class STOKES_PT_material_slots(ShadingPanel, bpy.types.Panel):
             column.menu("MATERIAL_MT_context_menu", icon='DOWNARROW_HLT', text="")
             if len(shown.material_slots) > 1:
                 column.separator()
-                column.operator("object.material_slot_move", icon='TRIA_UP', text="").direction = 'UP'
-                column.operator("object.material_slot_move", icon='TRIA_DOWN', text="").direction = 'DOWN'
+                column.operator(
+                    "object.material_slot_move", icon='TRIA_UP', text=""
+                ).direction = 'UP'
+                column.operator(
+                    "object.material_slot_move", icon='TRIA_DOWN', text=""
+                ).direction = 'DOWN'
         row = layout.row()
         if shown:
             row.template_ID(shown, "active_material", new="material.new")
             if slot:
-                row.prop(slot, "link", icon='OBJECT_DATA' if slot.link == 'OBJECT' else 'MESH_DATA', icon_only=True)
+                row.prop(
+                    slot,
+                    "link",
+                    icon='OBJECT_DATA' if slot.link == 'OBJECT' else 'MESH_DATA',
+                    icon_only=True,
+                )
             if shown.mode == 'EDIT':
                 row = layout.row(align=True)
                 row.operator("object.material_slot_assign", text="Assign")
@@ -155,7 +174,9 @@ class STOKES_PT_light_nodes(ShadingPanel, bpy.types.Panel):
 
     def draw(self, context):
         row = self.layout.row()
-        row.operator_menu_enum("stokes.light_spectrum", "spectrum", text="Set Spectrum", icon='LIGHT')
+        row.operator_menu_enum(
+            "stokes.light_spectrum", "spectrum", text="Set Spectrum", icon='LIGHT'
+        )
         self.layout.use_property_split = True
         draw_tree(self.layout, context.light)
 
@@ -209,8 +230,22 @@ class STOKES_PT_object_visibility(ShadingPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return is_ours(context) and context.object and context.object.type in {
-            'MESH', 'CURVE', 'SURFACE', 'FONT', 'META', 'CURVES', 'POINTCLOUD', 'VOLUME', 'LIGHT'}
+        return (
+            is_ours(context)
+            and context.object
+            and context.object.type
+            in {
+                'MESH',
+                'CURVE',
+                'SURFACE',
+                'FONT',
+                'META',
+                'CURVES',
+                'POINTCLOUD',
+                'VOLUME',
+                'LIGHT',
+            }
+        )
 
     def draw(self, context):
         shown = context.object
@@ -225,6 +260,13 @@ class STOKES_PT_object_visibility(ShadingPanel, bpy.types.Panel):
 
 
 CLASSES = (
-    STOKES_OT_use_nodes, STOKES_PT_material_slots, STOKES_PT_material_preview, STOKES_PT_material_surface,
-    STOKES_PT_light, STOKES_PT_light_nodes, STOKES_PT_world, STOKES_PT_camera_dof, STOKES_PT_object_visibility,
+    STOKES_OT_use_nodes,
+    STOKES_PT_material_slots,
+    STOKES_PT_material_preview,
+    STOKES_PT_material_surface,
+    STOKES_PT_light,
+    STOKES_PT_light_nodes,
+    STOKES_PT_world,
+    STOKES_PT_camera_dof,
+    STOKES_PT_object_visibility,
 )

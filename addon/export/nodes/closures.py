@@ -1,9 +1,9 @@
-"""Cycles' BSDF nodes, one function each. What a closure of ours cannot say is named in a warning."""
+"""Cycles' BSDF nodes, one function each. What a closure of ours cannot say is named in a
+warning."""
 
 from .registry import translates
 from .textures import normal
 from .values import rgb_spectrum
-
 
 
 def _check_distribution(node, graph, roughness):
@@ -18,13 +18,19 @@ def _check_distribution(node, graph, roughness):
 
 @translates("ShaderNodeBsdfDiffuse")
 def diffuse(node, graph):
-    return graph.bsdf("diffuse", reflectance=graph.color(node, "Color"), roughness=graph.factor(node, "Roughness"),
-                      normal=normal(node, graph))
+    return graph.bsdf(
+        "diffuse",
+        reflectance=graph.color(node, "Color"),
+        roughness=graph.factor(node, "Roughness"),
+        normal=normal(node, graph),
+    )
 
 
 @translates("ShaderNodeBsdfTranslucent")
 def translucent(node, graph):
-    return graph.bsdf("translucent", reflectance=graph.color(node, "Color"), normal=normal(node, graph))
+    return graph.bsdf(
+        "translucent", reflectance=graph.color(node, "Color"), normal=normal(node, graph)
+    )
 
 
 @translates("ShaderNodeBsdfTransparent")
@@ -36,9 +42,13 @@ def transparent(node, graph):
 def glossy(node, graph):
     anisotropy = graph.socket(node, "Anisotropy")
     if anisotropy is not None and (graph.is_linked(anisotropy) or anisotropy.default_value != 0.0):
-        graph.warn(node, "anisotropy is not supported yet; the same roughness in all directions is used")
+        graph.warn(
+            node, "anisotropy is not supported yet; the same roughness in all directions is used"
+        )
     roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
-    return graph.bsdf("glossy", color=graph.color(node, "Color"), roughness=roughness, normal=normal(node, graph))
+    return graph.bsdf(
+        "glossy", color=graph.color(node, "Color"), roughness=roughness, normal=normal(node, graph)
+    )
 
 
 @translates("ShaderNodeBsdfGlass")
@@ -48,35 +58,64 @@ def glass(node, graph):
     if thin_film is not None and (graph.is_linked(thin_film) or thin_film.default_value > 0.0):
         graph.warn(node, "the thin film is not supported yet; plain glass is used")
     color = graph.color(node, "Color")
-    return graph.bsdf("dielectric", ior=graph.number(node, "IOR"), roughness=roughness, reflect_color=color,
-                      transmit_color=color, lobes="both", normal=normal(node, graph))
+    return graph.bsdf(
+        "dielectric",
+        ior=graph.number(node, "IOR", low=0.2, high=8.0),
+        roughness=roughness,
+        reflect_color=color,
+        transmit_color=color,
+        lobes="both",
+        normal=normal(node, graph),
+    )
 
 
 @translates("ShaderNodeBsdfRefraction")
 def refraction(node, graph):
     roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
-    return graph.bsdf("dielectric", ior=graph.number(node, "IOR"), roughness=roughness,
-                      transmit_color=graph.color(node, "Color"), lobes="refract", normal=normal(node, graph))
+    return graph.bsdf(
+        "dielectric",
+        ior=graph.number(node, "IOR", low=0.2, high=8.0),
+        roughness=roughness,
+        transmit_color=graph.color(node, "Color"),
+        lobes="refract",
+        normal=normal(node, graph),
+    )
 
 
 @translates("ShaderNodeBsdfMetallic")
 def metallic(node, graph):
     if node.fresnel_type == 'PHYSICAL_CONDUCTOR':
-        graph.warn(node, "the IOR by channel is not supported yet; a reflection of its base colour is used")
+        graph.warn(
+            node, "the IOR by channel is not supported yet; a reflection of its base colour is used"
+        )
     elif max(graph.vector(node, "Edge Tint")) != min(graph.vector(node, "Edge Tint")):
-        graph.warn(node, "the edge tint is not supported yet; the base colour is used at every angle")
+        graph.warn(
+            node, "the edge tint is not supported yet; the base colour is used at every angle"
+        )
     roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
-    return graph.bsdf("glossy", color=graph.color(node, "Base Color"), roughness=roughness, normal=normal(node, graph))
+    return graph.bsdf(
+        "glossy",
+        color=graph.color(node, "Base Color"),
+        roughness=roughness,
+        normal=normal(node, graph),
+    )
 
 
 @translates("ShaderNodeSubsurfaceScattering")
 def subsurface(node, graph):
-    graph.warn(node, "light does not go below the surface yet; a diffuse surface of its colour is used")
+    graph.warn(
+        node, "light does not go below the surface yet; a diffuse surface of its colour is used"
+    )
     return graph.bsdf("diffuse", reflectance=graph.color(node, "Color"), normal=normal(node, graph))
 
 
-@translates("ShaderNodeBsdfVelvet", "ShaderNodeBsdfSheen", "ShaderNodeBsdfToon", "ShaderNodeBsdfHair",
-            "ShaderNodeBsdfHairPrincipled")
+@translates(
+    "ShaderNodeBsdfVelvet",
+    "ShaderNodeBsdfSheen",
+    "ShaderNodeBsdfToon",
+    "ShaderNodeBsdfHair",
+    "ShaderNodeBsdfHairPrincipled",
+)
 def cloth_and_hair(node, graph):
     graph.warn(node, "is not supported yet; a diffuse surface of its colour is used")
     return graph.bsdf("diffuse", reflectance=graph.color(node, "Color"), normal=normal(node, graph))
@@ -88,8 +127,12 @@ def eevee_specular(node, graph):
     return None
 
 
-@translates("ShaderNodeVolumeAbsorption", "ShaderNodeVolumeScatter", "ShaderNodeVolumePrincipled",
-            "ShaderNodeVolumeCoefficients")
+@translates(
+    "ShaderNodeVolumeAbsorption",
+    "ShaderNodeVolumeScatter",
+    "ShaderNodeVolumePrincipled",
+    "ShaderNodeVolumeCoefficients",
+)
 def volume(node, graph):
     graph.warn(node, "is a volume; as a surface it is black, as in Cycles")
     return None
@@ -109,7 +152,7 @@ def emission(node, graph):
 def light_of(node, graph, color_name, strength_name):
     """L of a colour and a strength input."""
     color = graph.value(graph.input(node, color_name))
-    return graph.light(color, graph.number(node, strength_name), node)
+    return graph.light(color, graph.number(node, strength_name, low=0.0), node)
 
 
 @translates("ShaderNodeMixShader")

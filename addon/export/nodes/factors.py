@@ -1,4 +1,5 @@
-"""Inputs that vary with the view or are plain values: Fresnel, Layer Weight, Geometry, Light Path, RGB, Value."""
+"""Inputs that vary with the view or are plain values: Fresnel, Layer Weight, Geometry, Light Path,
+RGB, Value."""
 
 from ...nodes import library, spectrum_blackbody
 from .graph import own_value
@@ -16,7 +17,7 @@ def plain(node, output, graph):
 
 @evaluates("ShaderNodeFresnel")
 def fresnel(node, output, graph):
-    return Varying({"fresnel": graph.number(node, "IOR")})
+    return Varying({"fresnel": graph.number(node, "IOR", low=1e-3, high=1e3)})
 
 
 @evaluates("ShaderNodeLayerWeight")
@@ -38,7 +39,9 @@ def geometry(node, output, graph):
 @evaluates("ShaderNodeLightPath")
 def light_path(node, output, graph):
     value = _CAMERA_RAY.get(output.identifier, 0.0)
-    graph.warn(node, "%s is %g for every ray: light has one path, from both ends" % (output.name, value))
+    graph.warn(
+        node, "%s is %g for every ray: light has one path, from both ends" % (output.name, value)
+    )
     return Constant(value)
 
 
@@ -51,8 +54,11 @@ def blackbody(node, output, graph):
 
 @evaluates("ShaderNodeWavelength")
 def wavelength(node, output, graph):
-    """Cycles scales the colour-matching functions at one wavelength by 1/2.52, to fit into 0 … 1."""
-    return Constant(tuple(channel / 2.52 for channel in library.monochromatic(graph.number(node, "Wavelength"))))
+    """Cycles scales the colour-matching functions at one wavelength by 1/2.52, to fit into 0 …
+    1."""
+    return Constant(
+        tuple(channel / 2.52 for channel in library.monochromatic(graph.number(node, "Wavelength")))
+    )
 
 
 @evaluates("ShaderNodeLightFalloff")

@@ -5,16 +5,34 @@ from contextlib import contextmanager
 
 from ... import nodes
 from .registry import CLOSURES, VALUES, key_of
+from .spectra import on_grid
 from .values import (
-    Constant, Environment, Spectral, Textured, Varying, as_factor, as_number, as_rgb, as_spectrum, rgb_spectrum,
+    Constant,
+    Environment,
+    Spectral,
+    Textured,
+    Varying,
+    as_factor,
+    as_number,
+    as_rgb,
+    as_spectrum,
+    rgb_spectrum,
 )
 
 # What procedural textures are on average: the nearest constant.
 _MEANS = {
-    "ShaderNodeTexNoise": 0.5, "ShaderNodeTexMusgrave": 0.0, "ShaderNodeTexWave": 0.5,
-    "ShaderNodeTexVoronoi": 0.5, "ShaderNodeTexMagic": 0.5, "ShaderNodeTexGradient": 0.5,
-    "ShaderNodeTexWhiteNoise": 0.5, "ShaderNodeTexGabor": 0.5, "ShaderNodeTexIES": 1.0,
-    "ShaderNodeAmbientOcclusion": 1.0, "ShaderNodeObjectInfo": 0.5, "ShaderNodeParticleInfo": 0.5,
+    "ShaderNodeTexNoise": 0.5,
+    "ShaderNodeTexMusgrave": 0.0,
+    "ShaderNodeTexWave": 0.5,
+    "ShaderNodeTexVoronoi": 0.5,
+    "ShaderNodeTexMagic": 0.5,
+    "ShaderNodeTexGradient": 0.5,
+    "ShaderNodeTexWhiteNoise": 0.5,
+    "ShaderNodeTexGabor": 0.5,
+    "ShaderNodeTexIES": 1.0,
+    "ShaderNodeAmbientOcclusion": 1.0,
+    "ShaderNodeObjectInfo": 0.5,
+    "ShaderNodeParticleInfo": 0.5,
     "ShaderNodeTexSky": (0.35, 0.5, 0.75),
 }
 
@@ -30,7 +48,7 @@ class Graph:
     def warn(self, node, text):
         self.context.warn(self.owner, node.label or node.name, text)
 
-    # --- sockets ---------------------------------------------------------------------------------------------
+    # --- sockets ---
 
     @staticmethod
     def socket(node, *identifiers):
@@ -42,22 +60,26 @@ class Graph:
         return None
 
     def input(self, node, *identifiers):
-        """An input that must be there; a Stokes node's by name, as groups number their identifiers."""
+        """An input that must be there; a Stokes node's by name, as groups number their
+        identifiers."""
         socket = self.socket(node, *identifiers)
         return socket if socket is not None else nodes.input_of(node, identifiers[0])
 
     def follow(self, socket, path):
-        """(node, output, path) that feeds an input; or (None, input, path): that input's own value counts."""
+        """(node, output, path) that feeds an input; or (None, input, path): that input's own value
+        counts."""
         while True:
-            link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+            link = next(
+                (link for link in socket.links if link.is_valid and not link.is_muted), None
+            )
             if link is None:
                 return None, socket, path
             node, output = link.from_node, link.from_socket
             if node.mute:
-                inner = next((l.from_socket for l in node.internal_links if l.to_socket == output), None)
+                inner = next((it for it in node.internal_links if it.to_socket == output), None)
                 if inner is None:
                     return None, socket, path
-                socket = inner
+                socket = inner.from_socket
             elif node.bl_idname == "NodeReroute":
                 socket = node.inputs[0]
             elif node.bl_idname == "NodeGroupInput" and path:
@@ -82,7 +104,7 @@ class Graph:
     def is_linked(self, socket):
         return self.follow(socket, self.path)[0] is not None
 
-    # --- closures --------------------------------------------------------------------------------------------
+    # --- closures ---
 
     def closure(self, socket):
         """The closure that feeds a shader input; None (absorbs all) where nothing does."""
@@ -91,7 +113,10 @@ class Graph:
             return None
         with self.inside(path):
             if output.type != 'SHADER':  # Cycles turns a colour into light
-                return {"emission": self.light(self._evaluate(node, output, None), 1.0, node), "two_sided": True}
+                return {
+                    "emission": self.light(self._evaluate(node, output, None), 1.0, node),
+                    "two_sided": True,
+                }
             translate = CLOSURES.get(key_of(node))
             if translate is None:
                 self.warn(node, "is not known to Stokes; a grey diffuse surface is used")
@@ -106,7 +131,7 @@ class Graph:
             closure["normal"] = normal
         return closure
 
-    # --- values ----------------------------------------------------------------------------------------------
+    # --- values ---
 
     def value(self, socket):
         """What an input carries (values.py)."""
@@ -127,45 +152,82 @@ class Graph:
         return instead
 
     def color(self, node, *identifiers):
-        """S of a colour input."""
+        """S of a colour input that reflects, lets through or absorbs: within 0 and 1."""
         socket = self.input(node, *identifiers)
         value = self.value(socket)
         spectrum = as_spectrum(value)
         if spectrum is None:
-            instead = own_value(socket)
-            self.warn(node, "%s cannot vary like that; %s is used" % (socket.name, describe(instead)))
-            spectrum = as_spectrum(instead)
-        return spectrum
+            return as_spectrum(self._instead(node, socket, "cannot vary like that"))
+        if isinstance(value, Textured) and value.scale > 1.0:
+            self.warn(
+                node,
+                "%s is an image times %.3g; the image itself is used" % (socket.name, value.scale),
+            )
+            return {"texture": value.texture}
+        return self._within_one(node, socket, spectrum) if isinstance(value, Spectral) else spectrum
+
+    def spectrum(self, node, *identifiers):
+        """S of an input that takes no image."""
+        socket = self.input(node, *identifiers)
+        value = self.value(socket)
+        if isinstance(value, (Constant, Spectral)):
+            return self._within_one(node, socket, as_spectrum(value))
+        return as_spectrum(self._instead(node, socket, "cannot vary over the surface"))
+
+    def shape(self, node, *identifiers):
+        """S of which only the shape counts, or None if there is nothing in it."""
+        socket = self.input(node, *identifiers)
+        value = self.value(socket)
+        if not isinstance(value, (Constant, Spectral)):
+            value = self._instead(node, socket, "cannot vary over the surface")
+        if isinstance(value, Constant) and max(as_rgb(value.value)) <= 0.0:
+            self.warn(node, "%s is black: nothing glows" % socket.name)
+            return None
+        return as_spectrum(value)
+
+    def _within_one(self, node, socket, spectrum):
+        """A spectrum brighter than 1 is a light's; as a reflectance its shape is used."""
+        values = on_grid(spectrum)
+        top = max(values) if values else 0.0
+        if top <= 1.0 + 1e-6:
+            return spectrum
+        self.warn(node, "%s reaches %.3g; it is scaled down to 1" % (socket.name, top))
+        return {"scale": 1.0 / top, "of": spectrum}
+
+    def _instead(self, node, socket, why):
+        instead = own_value(socket)
+        self.warn(node, "%s %s; %s is used" % (socket.name, why, describe(instead)))
+        return instead
 
     def factor(self, node, *identifiers):
         """V of a number input."""
         socket = self.input(node, *identifiers)
         factor = as_factor(self.value(socket))
         if factor is None:
-            instead = own_value(socket)
-            self.warn(node, "%s is a number, not a spectrum; %s is used" % (socket.name, describe(instead)))
-            factor = as_number(instead.value)
+            factor = as_number(self._instead(node, socket, "is a number, not a spectrum").value)
         return factor
 
-    def number(self, node, *identifiers):
-        """A number input that must be the same all over the surface."""
+    def number(self, node, *identifiers, low=None, high=None):
+        """A number input that must be the same all over the surface, and within what the core
+        takes."""
         socket = self.input(node, *identifiers)
         value = self.value(socket)
-        if isinstance(value, Constant):
-            return as_number(value.value)
-        instead = as_number(own_value(socket).value)
-        self.warn(node, "%s cannot vary over the surface; %.3g is used" % (socket.name, instead))
-        return instead
+        if not isinstance(value, Constant):
+            value = self._instead(node, socket, "cannot vary over the surface")
+        number = as_number(value.value)
+        kept = number if low is None else max(low, number)
+        kept = kept if high is None else min(high, kept)
+        if kept != number:
+            self.warn(node, "%s is %.3g; %.3g is used" % (socket.name, number, kept))
+        return kept
 
     def vector(self, node, *identifiers):
         """Three numbers that must be the same all over the surface."""
         socket = self.input(node, *identifiers)
         value = self.value(socket)
-        if isinstance(value, Constant):
-            return as_rgb(value.value)
-        instead = as_rgb(own_value(socket).value)
-        self.warn(node, "%s cannot vary over the surface; %s is used" % (socket.name, describe(Constant(instead))))
-        return instead
+        if not isinstance(value, Constant):
+            value = self._instead(node, socket, "cannot vary over the surface")
+        return as_rgb(value.value)
 
     def light(self, color, strength, node):
         """L of a colour value and a number."""
@@ -174,8 +236,15 @@ class Graph:
         if isinstance(color, Textured):
             return {"texture": color.texture, "scale": strength * color.scale}
         if isinstance(color, Constant):
-            return {"rgb": list(as_rgb(color.value)), "scale": strength}
-        if isinstance(color, Varying) and isinstance(color.factor, dict) and "texture" in color.factor:
+            rgb = as_rgb(color.value)
+            if min(rgb) < 0.0:
+                self.warn(node, "light cannot be negative; its negative channels are black")
+            return {"rgb": [max(0.0, channel) for channel in rgb], "scale": strength}
+        if (
+            isinstance(color, Varying)
+            and isinstance(color.factor, dict)
+            and "texture" in color.factor
+        ):
             return {"texture": color.factor["texture"], "scale": strength}
         self.warn(node, "the light's colour cannot vary like that; white is used")
         return {"rgb": [1.0, 1.0, 1.0], "scale": strength}
@@ -188,7 +257,9 @@ def own_value(socket):
         return Constant(0.0)
     if isinstance(value, (int, float)):  # bool too
         return Constant(decimal(value))
-    return Constant(0.0 if isinstance(value, str) else tuple(decimal(channel) for channel in value[:3]))
+    return Constant(
+        0.0 if isinstance(value, str) else tuple(decimal(channel) for channel in value[:3])
+    )
 
 
 def decimal(number):
@@ -220,5 +291,7 @@ def _group_result(group, output):
     if group.node_tree is None:
         return None
     results = [node for node in group.node_tree.nodes if node.bl_idname == "NodeGroupOutput"]
-    active = next((node for node in results if node.is_active_output), results[0] if results else None)
+    active = next(
+        (node for node in results if node.is_active_output), results[0] if results else None
+    )
     return _same_socket(active.inputs, output) if active else None

@@ -1,4 +1,5 @@
-"""From a material, world or light to what the stream says of it: finds the output node and walks back from it."""
+"""From a material, world or light to what the stream says of it: finds the output node and walks
+back from it."""
 
 import bpy
 
@@ -26,8 +27,10 @@ def surface(material, context):
     if output is None:
         return None
     graph = Graph(material, context)
-    for name, text in (("Volume", "volumes are not supported yet and left out"),
-                       ("Displacement", "displacement is not supported yet and left out")):
+    for name, text in (
+        ("Volume", "volumes are not supported yet and left out"),
+        ("Displacement", "displacement is not supported yet and left out"),
+    ):
         socket = graph.socket(output, name)
         if socket is not None and graph.is_linked(socket):
             graph.warn(output, text)
@@ -91,9 +94,17 @@ def world(world, context):
 def _world_of(terms, graph, output):
     if terms.maps:
         if len(terms.maps) > 1 or terms.lights:
-            graph.warn(output, "an image and other light are not mixed yet; %s is used" % describe(terms.maps[0]))
+            graph.warn(
+                output,
+                "an image and other light are not mixed yet; %s is used" % describe(terms.maps[0]),
+            )
         shown = terms.maps[0]
-        return {"kind": "image", "image": shown.image, "scale": shown.scale, "transform": shown.transform}
+        return {
+            "kind": "image",
+            "image": shown.image,
+            "scale": shown.scale,
+            "transform": shown.transform,
+        }
     if not terms.lights:
         return dict(_DARK)
     emission = terms.lights[0] if len(terms.lights) == 1 else {"sum": terms.lights}
@@ -106,7 +117,7 @@ class Terms:
     def __init__(self, graph):
         self.graph = graph
         self.lights = []  # L
-        self.maps = []    # Environment
+        self.maps = []  # Environment
 
     def collect(self, socket, weight):
         graph = self.graph

@@ -1,10 +1,10 @@
-"""Tables of translators: closures by @translates, colours and numbers by @evaluates, each by node identifier.
-A Stokes node stands in them as "stokes." and its kind."""
+"""Tables of translators: closures by @translates, colours and numbers by @evaluates, each by node
+identifier. A Stokes node stands in them as "stokes." and its kind."""
 
 from ... import nodes
 
 CLOSURES = {}  # key -> function(node, graph) -> closure dict or None
-VALUES = {}    # key -> function(node, output, graph) -> a value (values.py)
+VALUES = {}  # key -> function(node, output, graph) -> a value (values.py)
 
 
 def translates(*keys):
@@ -20,6 +20,7 @@ def _enter(table, keys):
         for key in keys:
             table[key] = function
         return function
+
     return enter
 
 

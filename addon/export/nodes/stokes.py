@@ -21,45 +21,77 @@ def absorbed(name, absorbance):
 def fluorescent(node, graph):
     settings = nodes.settings_of(node)
     if settings.dye == fluorescent_node.CUSTOM:
-        absorption, emission = graph.color(node, "Absorption"), graph.color(node, "Emission")
+        absorption, emission = graph.spectrum(node, "Absorption"), graph.shape(node, "Emission")
     else:
         for name in ("Absorption", "Emission"):
             if graph.is_linked(nodes.input_of(node, name)):
-                graph.warn(node, "%s is linked, but the dye '%s' is used" % (name, library.pretty(settings.dye)))
+                graph.warn(
+                    node,
+                    "%s is linked, but the dye '%s' is used" % (name, library.pretty(settings.dye)),
+                )
         absorption = absorbed("dye/%s/absorption" % settings.dye, settings.absorbance)
         emission = {"library": "dye/%s/emission" % settings.dye}
     return graph.bsdf(
-        "fluorescent", reflectance=graph.color(node, "Reflectance"), absorption=absorption, emission=emission,
-        concentration=graph.factor(node, "Concentration"), normal=normal(node, graph),
-        **{"yield": graph.number(node, "Yield"), "yield_kind": settings.yield_kind})
+        "fluorescent",
+        reflectance=graph.color(node, "Reflectance"),
+        absorption=absorption,
+        emission=1.0 if emission is None else emission,
+        concentration=graph.factor(node, "Concentration"),
+        normal=normal(node, graph),
+        **{
+            "yield": 0.0 if emission is None else graph.number(node, "Yield", low=0.0),
+            "yield_kind": settings.yield_kind,
+        },
+    )
 
 
 @translates("stokes.dispersive_glass")
 def dispersive_glass(node, graph):
     settings = nodes.settings_of(node)
     if settings.model == 'ABBE':
-        ior = {"n_d": graph.number(node, "IOR"), "abbe": graph.number(node, "Abbe Number")}
+        ior = {
+            "n_d": graph.number(node, "IOR", low=1.0, high=5.0),
+            "abbe": graph.number(node, "Abbe Number", low=5.0),
+        }
     elif settings.model == 'PRESET':
         ior = {"library": settings.preset}
     elif settings.model == 'CAUCHY':
         ior = {"cauchy": [settings.cauchy_a, settings.cauchy_b, settings.cauchy_c]}
     else:
-        ior = {"sellmeier": [[getattr(settings, "b%d" % i), getattr(settings, "c%d" % i)] for i in (1, 2, 3)]}
-    return graph.bsdf("dielectric", ior=ior, roughness=graph.factor(node, "Roughness"), lobes="both",
-                      transmit_color=graph.color(node, "Color"), normal=normal(node, graph))
+        ior = {
+            "sellmeier": [
+                [getattr(settings, "b%d" % i), getattr(settings, "c%d" % i)] for i in (1, 2, 3)
+            ]
+        }
+    return graph.bsdf(
+        "dielectric",
+        ior=ior,
+        roughness=graph.factor(node, "Roughness"),
+        lobes="both",
+        transmit_color=graph.color(node, "Color"),
+        normal=normal(node, graph),
+    )
 
 
 @translates("stokes.conductor")
 def conductor(node, graph):
-    return graph.bsdf("conductor", metal=nodes.settings_of(node).metal, roughness=graph.factor(node, "Roughness"),
-                      normal=normal(node, graph))
+    return graph.bsdf(
+        "conductor",
+        metal=nodes.settings_of(node).metal,
+        roughness=graph.factor(node, "Roughness"),
+        normal=normal(node, graph),
+    )
 
 
 @evaluates("stokes.spectrum_library")
 def from_library(node, output, graph):
     settings = nodes.settings_of(node)
     name = spectrum_library.chosen(settings)
-    spectrum = absorbed(name, settings.absorbance) if spectrum_library.uses_absorbance(settings) else {"library": name}
+    spectrum = (
+        absorbed(name, settings.absorbance)
+        if spectrum_library.uses_absorbance(settings)
+        else {"library": name}
+    )
     return Spectral(spectrum, settings.unit)
 
 
@@ -70,7 +102,9 @@ def from_file(node, output, graph):
     if not rows:
         graph.warn(node, "%s; a spectrum of 0.5 is used" % (settings.problem or "has no file"))
         return Spectral(0.5, settings.unit)
-    if settings.kind != 'REFLECTANCE':  # the stream holds ends where it takes a reflectance; these must end in zero
+    if (
+        settings.kind != 'REFLECTANCE'
+    ):  # the stream holds ends where it takes a reflectance; these must end in zero
         rows = [(rows[0][0], 0.0)] + rows + [(rows[-1][0], 0.0)]
     return Spectral(table(*zip(*rows)), settings.unit)
 
@@ -83,24 +117,42 @@ def illuminant(node, output, graph):
 
 @evaluates("stokes.spectrum_blackbody")
 def blackbody(node, output, graph):
-    return Spectral({"blackbody": graph.number(node, "Temperature")}, nodes.settings_of(node).unit)
+    return Spectral(
+        {"blackbody": graph.number(node, "Temperature", low=100.0, high=1e6)},
+        nodes.settings_of(node).unit,
+    )
 
 
 @evaluates("stokes.spectrum_gaussian")
 def gaussian(node, output, graph):
-    return Spectral({"gaussian": {"mean": graph.number(node, "Mean"), "sigma": graph.number(node, "Sigma"),
-                                  "peak": graph.number(node, "Peak")}}, nodes.settings_of(node).unit)
+    return Spectral(
+        {
+            "gaussian": {
+                "mean": graph.number(node, "Mean"),
+                "sigma": graph.number(node, "Sigma", low=0.1),
+                "peak": graph.number(node, "Peak", low=0.0),
+            }
+        },
+        nodes.settings_of(node).unit,
+    )
 
 
 @evaluates("stokes.spectrum_line")
 def line(node, output, graph):
-    return Spectral({"line": {"center": graph.number(node, "Center"), "width": max(1.0, graph.number(node, "Width"))}},
-                    nodes.settings_of(node).unit)
+    return Spectral(
+        {
+            "line": {
+                "center": graph.number(node, "Center"),
+                "width": graph.number(node, "Width", low=1.0),
+            }
+        },
+        nodes.settings_of(node).unit,
+    )
 
 
 @evaluates("stokes.spectrum_constant")
 def constant(node, output, graph):
-    return Spectral(graph.number(node, "Value"), nodes.settings_of(node).unit)
+    return Spectral(graph.number(node, "Value", low=0.0), nodes.settings_of(node).unit)
 
 
 @evaluates("stokes.spectrum_rgb")

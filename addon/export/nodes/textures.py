@@ -23,12 +23,23 @@ def image_texture(node, output, graph):
             graph.warn(node, "has no image; Cycles' magenta is used")
         return Constant(_MISSING if output.identifier == "Color" else 1.0)
     if node.projection != 'FLAT':
-        graph.warn(node, "the projection %s is not supported yet; flat coordinates are used" % node.projection.lower())
+        graph.warn(
+            node,
+            "the projection %s is not supported yet; flat coordinates are used"
+            % node.projection.lower(),
+        )
     if node.interpolation not in {'Linear', 'Closest'}:
-        graph.warn(node, "the interpolation %s is not supported yet; linear is used" % node.interpolation.lower())
+        graph.warn(
+            node,
+            "the interpolation %s is not supported yet; linear is used"
+            % node.interpolation.lower(),
+        )
     projection, uv_name, matrix = coordinates(graph.input(node, "Vector"), graph)
     texture = {
-        "image": name, "uv": uv_name, "transform": flat(matrix), "projection": projection,
+        "image": name,
+        "uv": uv_name,
+        "transform": flat(matrix),
+        "projection": projection,
         "interpolation": "closest" if node.interpolation == 'Closest' else "linear",
         "extension": _EXTENSIONS.get(node.extension, "repeat"),
     }
@@ -45,7 +56,11 @@ def environment_texture(node, output, graph):
             graph.warn(node, "has no image; Cycles' magenta is used")
         return Constant(_MISSING)
     if node.projection != 'EQUIRECTANGULAR':
-        graph.warn(node, "the projection %s is not supported yet; equirectangular is used" % node.projection.lower())
+        graph.warn(
+            node,
+            "the projection %s is not supported yet; equirectangular is used"
+            % node.projection.lower(),
+        )
     _projection, _uv, matrix = coordinates(graph.input(node, "Vector"), graph)
     return Environment(name, flat(matrix), 1.0)
 
@@ -68,30 +83,41 @@ def _texture_coordinate(node, output, graph):
     if projection is None:
         graph.warn(node, "%s coordinates are not supported yet; the UV map is used" % output.name)
     if node.from_instancer:
-        graph.warn(node, "coordinates from the instancer are not supported yet; the object's own are used")
+        graph.warn(
+            node, "coordinates from the instancer are not supported yet; the object's own are used"
+        )
     matrix = Matrix.Identity(4)
     if projection == "object" and node.object is not None:
-        graph.warn(node, "coordinates of another object are not supported yet; the object's own are used")
+        graph.warn(
+            node, "coordinates of another object are not supported yet; the object's own are used"
+        )
     return projection or "uv", "", matrix
 
 
 def _uv_map(node, _output, graph):
     if node.from_instancer:
-        graph.warn(node, "coordinates from the instancer are not supported yet; the object's own are used")
+        graph.warn(
+            node, "coordinates from the instancer are not supported yet; the object's own are used"
+        )
     return "uv", node.uv_map, Matrix.Identity(4)
 
 
 def _attribute(node, _output, graph):
     if node.attribute_type != 'GEOMETRY':
-        graph.warn(node, "attributes of the %s are not supported as coordinates; the UV map is used"
-                   % node.attribute_type.lower())
+        graph.warn(
+            node,
+            "attributes of the %s are not supported as coordinates; the UV map is used"
+            % node.attribute_type.lower(),
+        )
         return "uv", "", Matrix.Identity(4)
     return "uv", node.attribute_name, Matrix.Identity(4)
 
 
 def _mapping(node, _output, graph):
     projection, uv_name, inner = coordinates(graph.input(node, "Vector"), graph)
-    location = Matrix.Translation(graph.vector(node, "Location") if graph.socket(node, "Location") else (0, 0, 0))
+    location = Matrix.Translation(
+        graph.vector(node, "Location") if graph.socket(node, "Location") else (0, 0, 0)
+    )
     rotation = Euler(graph.vector(node, "Rotation")).to_matrix().to_4x4()
     scale = Matrix.Diagonal((*graph.vector(node, "Scale"), 1.0))
     if node.vector_type == 'NORMAL':
@@ -116,21 +142,33 @@ def _vector_math(node, _output, graph):
     elif node.operation in {'ADD', 'SUBTRACT', 'MULTIPLY'}:
         value = graph.value(node.inputs[1])
         if not isinstance(value, Constant):
-            graph.warn(node, "two varying vectors are not supported as coordinates; the first is used")
+            graph.warn(
+                node, "two varying vectors are not supported as coordinates; the first is used"
+            )
             return projection, uv_name, inner
         vector = as_rgb(value.value)
         sign = -1.0 if node.operation == 'SUBTRACT' else 1.0
-        own = (Matrix.Diagonal((*vector, 1.0)) if node.operation == 'MULTIPLY'
-               else Matrix.Translation([sign * v for v in vector]))
+        own = (
+            Matrix.Diagonal((*vector, 1.0))
+            if node.operation == 'MULTIPLY'
+            else Matrix.Translation([sign * v for v in vector])
+        )
     else:
-        graph.warn(node, "%s is not supported for coordinates; they are left as they are" % node.operation.lower())
+        graph.warn(
+            node,
+            "%s is not supported for coordinates; they are left as they are"
+            % node.operation.lower(),
+        )
         own = Matrix.Identity(4)
     return projection, uv_name, own @ inner
 
 
 _COORDINATES = {
-    "ShaderNodeTexCoord": _texture_coordinate, "ShaderNodeUVMap": _uv_map, "ShaderNodeAttribute": _attribute,
-    "ShaderNodeMapping": _mapping, "ShaderNodeVectorMath": _vector_math,
+    "ShaderNodeTexCoord": _texture_coordinate,
+    "ShaderNodeUVMap": _uv_map,
+    "ShaderNodeAttribute": _attribute,
+    "ShaderNodeMapping": _mapping,
+    "ShaderNodeVectorMath": _vector_math,
 }
 
 
@@ -157,10 +195,17 @@ def _normal_of(socket, graph):
 
 def _normal_map(node, graph):
     if node.space != 'TANGENT':
-        graph.warn(node, "the space %s is not supported yet; the surface's own normal is used" % node.space.lower())
+        graph.warn(
+            node,
+            "the space %s is not supported yet; the surface's own normal is used"
+            % node.space.lower(),
+        )
         return None
     color = graph.value(graph.input(node, "Color"))
     if not isinstance(color, Textured):
-        return None if isinstance(color, Constant) else graph.warn(
-            node, "its colour must be an image; the surface's own normal is used")
+        return (
+            None
+            if isinstance(color, Constant)
+            else graph.warn(node, "its colour must be an image; the surface's own normal is used")
+        )
     return {"texture": color.texture, "strength": graph.number(node, "Strength")}

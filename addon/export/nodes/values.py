@@ -1,12 +1,12 @@
-"""What a socket may carry on its way to a closure: a constant, a spectrum, a texture, or a factor that varies.
-They turn into the S, V and L of csrc/stream/STREAM.md in graph.py."""
+"""What a socket may carry on its way to a closure: a constant, a spectrum, a texture, or a factor
+that varies. They turn into the S, V and L of csrc/stream/STREAM.md in graph.py."""
 
 from collections import namedtuple
 
-Constant = namedtuple("Constant", "value")              # a float, or a tuple of three
-Spectral = namedtuple("Spectral", "spectrum unit")      # S; unit "total" or "per_nm" if it shines
-Textured = namedtuple("Textured", "texture scale")      # T of a colour, times a number
-Varying = namedtuple("Varying", "factor")               # V
+Constant = namedtuple("Constant", "value")  # a float, or a tuple of three
+Spectral = namedtuple("Spectral", "spectrum unit")  # S; unit "total" or "per_nm" if it shines
+Textured = namedtuple("Textured", "texture scale")  # T of a colour, times a number
+Varying = namedtuple("Varying", "factor")  # V
 Environment = namedtuple("Environment", "image transform scale")  # a map of all directions
 
 # Rec. 709; Cycles' own conversion from colour to number in its default working space.
@@ -40,7 +40,11 @@ def scaled(value, factor):
             return Constant(tuple(factor * channel for channel in value.value))
         return Constant(factor * value.value)
     if isinstance(value, Spectral):
-        return value if factor == 1 else value._replace(spectrum={"scale": factor, "of": value.spectrum})
+        return (
+            value
+            if factor == 1
+            else value._replace(spectrum={"scale": factor, "of": value.spectrum})
+        )
     if isinstance(value, Varying):
         return Varying(scaled_offset(value.factor, factor, 0.0))
     return value._replace(scale=value.scale * factor)
@@ -54,7 +58,11 @@ def scaled_offset(factor, scale, offset):
         return factor
     if "of" in factor:
         inner_scale, inner_offset = factor.get("scale", 1.0), factor.get("offset", 0.0)
-        return {"scale": scale * inner_scale, "offset": scale * inner_offset + offset, "of": factor["of"]}
+        return {
+            "scale": scale * inner_scale,
+            "offset": scale * inner_offset + offset,
+            "of": factor["of"],
+        }
     return {"scale": scale, "offset": offset, "of": factor}
 
 
@@ -85,5 +93,8 @@ def as_spectrum(value):
         if "texture" in value.factor:
             return {"texture": value.factor["texture"]}
         if value.factor.get("offset", 0.0) == 0.0 and "texture" in value.factor.get("of", {}):
-            return {"scale": value.factor["scale"], "of": {"texture": value.factor["of"]["texture"]}}
+            return {
+                "scale": value.factor["scale"],
+                "of": {"texture": value.factor["of"]["texture"]},
+            }
     return None
