@@ -124,7 +124,7 @@ static void a_strange_head_is_broken(void **state)
         size_t at;
         unsigned char byte;
         const char *property, *text;
-    } faults[] = {{0, 'x', "magic", "STKS"},   {4, 3, "flags", "0x2"},     {8, 0, "name", "no name"},
+    } faults[] = {{0, 'x', "magic", "STKS"},   {4, 3, "flags", "0x2"},     {8, 0, "name", "ASCII"},
                   {8, 0x80, "name", "ASCII"},  {14, 'x', "name", "ASCII"}, {39, 0x80, "json", "64 MiB"},
                   {47, 0x80, "blob", "64 GiB"}};
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {

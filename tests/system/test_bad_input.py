@@ -13,7 +13,7 @@ import time
 import frames
 import pytest
 
-STOKES = pathlib.Path(os.environ.get("STOKES_CORE", pathlib.Path(__file__).resolve().parents[2] / "build" / "stokes"))
+STOKES = pathlib.Path(os.environ.get("STOKES") or pathlib.Path(__file__).parents[2] / "build" / "stokes").resolve()
 SECONDS = 60  # for a process that has nothing to wait for; only a hang needs it
 START = frames.hello() + frames.color() + frames.settings()
 QUICK = 0.1  # what a cancel may take
