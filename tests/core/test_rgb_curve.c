@@ -231,8 +231,9 @@ static void strange_numbers_make_a_reflectance_too(void **state)
 {
     (void)state;
     static const float colors[][3] = {
-        {NAN, 0.5f, 0.5f}, {INFINITY, 0, 0},    {-INFINITY, 1, 1}, {1e30f, 1e30f, 1e30f},
-        {-5, -5, -5},      {1e-30f, 0, 1e-38f}, {50, 0, 0},        {-50, 60, -50}};
+        {NAN, 0.5f, 0.5f},  {INFINITY, 0, 0},      {-INFINITY, 1, 1}, {1e30f, 1e30f, 1e30f},
+        {-5, -5, -5},       {1e-30f, 0, 1e-38f},   {50, 0, 0},        {1.00001f, 1, 1},
+        {1, 1, 0.9999999f}, {1.0001f, 1, 0.9999f}, {-50, 60, -50}};
     struct working_space space;
     working_space_rec709(&space);
     for (size_t n = 0; n < sizeof colors / sizeof *colors; n++) {
@@ -297,6 +298,11 @@ static void the_table_of_curves_keeps_colours(void **state)
     }
     print_message("ΔE2000 of the table: mean %.4f, worst %.3f\n", sum / COUNT, worst);
     assert_true(sum / COUNT < 0.1 && worst < 1);
+    for (int i = 1; i < 8; i++) { /* the cube's corners are nodes */
+        float rgb[3] = {(float)(i & 1), (float)(i >> 1 & 1), (float)(i >> 2)};
+        struct rgb_curve curve = rgb_table_lookup(table, rgb);
+        assert_true(round_trip(&o, &space, rgb, &curve) < 0.1);
+    }
     for (int i = 0; i <= 1000; i++) {
         float grey = (float)i / 1000, rgb[3] = {grey, grey, grey};
         struct rgb_curve curve = rgb_table_lookup(table, rgb);
