@@ -202,8 +202,9 @@ static bool resolve_layers(struct scene *scene, stokes_error *err)
 
 /* --- Instances --------------------------------------------------------------------------------------- */
 
+/* A slot's material; `mesh` gets the tangents that its normal maps need. */
 static const struct material *find_material(const struct scene *scene, const struct instances *instances,
-                                            size_t slot, stokes_error *err)
+                                            size_t slot, struct mesh *mesh, stokes_error *err)
 {
     const char *name = slot < instances->material_count ? instances->material_names[slot] : "";
     if (!*name)
@@ -211,7 +212,11 @@ static const struct material *find_material(const struct scene *scene, const str
     const struct material_slot *found = registry_find(&scene->materials, name);
     if (!found)
         fail(err, instances->name, "materials", "there is no material named \"%.200s\"", name);
-    return found ? found->compiled : NULL;
+    else if (found->has_normal_map && !mesh_build_tangents(mesh))
+        fail(err, instances->mesh_name, "corner_normals", "no memory for tangents");
+    else
+        return found->compiled;
+    return NULL;
 }
 
 static bool emits(const struct material *material)
@@ -223,6 +228,7 @@ static bool emits(const struct material *material)
 static bool resolve_slots(struct scene *scene, struct instances *instances, stokes_error *err)
 {
     size_t count = instances->material_count ? instances->material_count : 1;
+    struct mesh *mesh = registry_find(&scene->meshes, instances->mesh_name);
     instances_forget(instances);
     instances->materials = calloc(count, sizeof *instances->materials);
     instances->emitter = calloc(count, sizeof *instances->emitter);
@@ -231,7 +237,7 @@ static bool resolve_slots(struct scene *scene, struct instances *instances, stok
         return fail(err, instances->name, "materials", "no memory for %zu", count);
     instances->slot_count = count;
     for (size_t slot = 0; slot < count; slot++) {
-        const struct material *material = find_material(scene, instances, slot, err);
+        const struct material *material = find_material(scene, instances, slot, mesh, err);
         if (!(instances->materials[slot] = material))
             return false;
         instances->emitter[slot] = emits(material) ? (int)instances->emitter_count++ : -1;

@@ -82,7 +82,8 @@ static void fill_normals(const struct object *object, const struct vec3 p[3], co
         hit->ns = smooth;
 }
 
-/* ∂p/∂u of the default layer: the columns of (e1 e2)(du1 du2; dv1 dv2)⁻¹, up to a positive factor. */
+/* ∂p/∂u of the default layer: the first column of (e1 e2)(du1 du2; dv1 dv2)⁻¹, up to a positive factor, or
+   what the corners share. */
 static void fill_tangent(const struct object *object, const struct vec3 p[3], const uint32_t corner[3],
                          struct hit *hit)
 {
@@ -102,7 +103,12 @@ static void fill_tangent(const struct object *object, const struct vec3 p[3], co
     if (determinant == 0)
         return;
     struct vec3 tangent = along(scale(sub(p[1], p[0]), dv2), sub(p[2], p[0]), -dv1);
-    hit->tangent = unit(transform_vector(&object->to_world, scale(tangent, copysignf(1, determinant))));
+    tangent = scale(tangent, copysignf(1, determinant));
+    if (object->mesh->tangents) {
+        const float *tangents = object->mesh->tangents + 9 * (size_t)hit->primitive;
+        tangent = interpolate(tangents, (const uint32_t[3]){0, 1, 2}, w, hit->bary_u, hit->bary_v);
+    }
+    hit->tangent = unit(transform_vector(&object->to_world, tangent));
     hit->mirrored_uv = (determinant < 0) != object->mirrored;
 }
 

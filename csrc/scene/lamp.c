@@ -90,16 +90,11 @@ bool lamp_derive(struct lamp *lamp, stokes_error *err)
         return fail(err, lamp->name, "transform", "is not finite");
     switch (lamp->input.shape) {
     case LIGHT_RECTANGLE:
-    case LIGHT_ELLIPSE:
-        return derive_flat(lamp, err);
-    case LIGHT_SPHERE:
-        return derive_round(lamp, err);
-    case LIGHT_POINT:
-        return true;
-    case LIGHT_SPOT:
-        return derive_spot(lamp, err);
-    case LIGHT_SUN:
-        return derive_sun(lamp, err);
+    case LIGHT_ELLIPSE: return derive_flat(lamp, err);
+    case LIGHT_SPHERE: return derive_round(lamp, err);
+    case LIGHT_POINT: return true;
+    case LIGHT_SPOT: return derive_spot(lamp, err);
+    case LIGHT_SUN: return derive_sun(lamp, err);
     }
     return fail(err, lamp->name, "kind", "is unknown");
 }

@@ -77,18 +77,12 @@ static bool add_emitters(struct scene *scene, stokes_error *err)
 static const struct light_kind *kind_of(const struct lamp *lamp)
 {
     switch (lamp->input.shape) {
-    case LIGHT_RECTANGLE:
-        return &light_rectangle;
-    case LIGHT_ELLIPSE:
-        return &light_ellipse;
-    case LIGHT_SPHERE:
-        return &light_sphere;
-    case LIGHT_POINT:
-        return &light_point_lamp;
-    case LIGHT_SPOT:
-        return lamp->input.radius > 0 ? &light_spot_sphere : &light_spot;
-    case LIGHT_SUN:
-        return lamp->half_angle > 0 ? &light_sun : &light_sun_delta;
+    case LIGHT_RECTANGLE: return &light_rectangle;
+    case LIGHT_ELLIPSE: return &light_ellipse;
+    case LIGHT_SPHERE: return &light_sphere;
+    case LIGHT_POINT: return &light_point_lamp;
+    case LIGHT_SPOT: return lamp->input.radius > 0 ? &light_spot_sphere : &light_spot;
+    case LIGHT_SUN: return lamp->half_angle > 0 ? &light_sun : &light_sun_delta;
     }
     return NULL;
 }

@@ -23,6 +23,7 @@ void mesh_destroy(struct mesh *mesh)
     free(mesh->triangles);
     free(mesh->corners);
     free(mesh->normals);
+    free(mesh->tangents);
     free(mesh->material_index);
     free(mesh->name);
     free(mesh);

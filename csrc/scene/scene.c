@@ -89,6 +89,12 @@ void scene_destroy(struct scene *scene)
 
 /* --- Materials and images ---------------------------------------------------------------------------- */
 
+static bool has_normal_map(const struct closure *closure)
+{
+    return closure &&
+           (closure->normal_map || has_normal_map(closure->child[0]) || has_normal_map(closure->child[1]));
+}
+
 bool scene_add_material(struct scene *scene, const char *name, struct closure *closure, stokes_error *err)
 {
     struct material_slot *slot = calloc(1, sizeof *slot);
@@ -101,6 +107,7 @@ bool scene_add_material(struct scene *scene, const char *name, struct closure *c
     }
     slot->closure = closure;
     slot->needs_table = material_needs_rgb_table(closure);
+    slot->has_normal_map = has_normal_map(closure);
     material_slot_destroy(old);
     scene->materials_dirty = true;
     scene->committed = false;

@@ -16,7 +16,8 @@ struct mesh {
     uint32_t *triangles, *corners; /* 3 per triangle; corners may be NULL */
     float *normals;                /* 3 per corner, or NULL: flat */
     struct mesh_uv *uv;            /* their data is owned */
-    uint32_t *material_index;      /* per triangle, or NULL: all 0 */
+    float *tangents; /* 3 per corner of each triangle; NULL: flat, or no normal map needs them (tangents.c) */
+    uint32_t *material_index; /* per triangle, or NULL: all 0 */
     size_t vertex_count, triangle_count, corner_count, uv_count;
     struct vec3 low, high;  /* bounding box */
     const float **uv_table; /* hit.uv; borrowed pointers into uv[] */
@@ -25,6 +26,9 @@ struct mesh {
 void mesh_destroy(struct mesh *);
 /* Points hit.uv at the layers by their names: entry i + 1 is the layer called names[i]. */
 bool mesh_resolve_uv(struct mesh *, char *const *names, uint32_t count);
+
+/* Smooth tangents, if the mesh is smooth and has texture coordinates. False: no memory. */
+bool mesh_build_tangents(struct mesh *);
 
 /* Emissive triangles of one material slot, for drawing one by area. */
 struct triangle_cdf {
@@ -80,7 +84,7 @@ struct material_slot {
     char *name;
     struct closure *closure; /* until it is compiled */
     struct material *compiled;
-    bool needs_table, failed;
+    bool needs_table, has_normal_map, failed;
     stokes_error error; /* why it failed */
 };
 void material_slot_destroy(struct material_slot *);

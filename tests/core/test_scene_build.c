@@ -281,6 +281,75 @@ static void mirrored_uvs_are_told_under_mirroring_transforms(void **state)
     }
 }
 
+#define SEGMENTS 16
+
+/* A cylinder of SEGMENTS faces about z with smooth normals, u about the axis, v along it. */
+static void add_cylinder(struct scene *scene)
+{
+    float positions[SEGMENTS * 6], normals[(SEGMENTS + 1) * 6], uv[(SEGMENTS + 1) * 4];
+    uint32_t triangles[SEGMENTS * 6], corners[SEGMENTS * 6];
+    for (uint32_t i = 0; i <= SEGMENTS; i++)
+        for (uint32_t k = 0; k < 2; k++) {
+            float phi = 2 * PI_F * (float)i / SEGMENTS;
+            uint32_t c = 2 * i + k;
+            struct vec3 normal = vec3(cosf(phi), sinf(phi), 0), position = vec3(normal.x, normal.y, (float)k);
+            memcpy(normals + 3 * c, &normal, sizeof normal);
+            uv[2 * c] = (float)i / SEGMENTS;
+            uv[2 * c + 1] = (float)k;
+            if (i < SEGMENTS)
+                memcpy(positions + 3 * c, &position, sizeof position);
+        }
+    for (uint32_t i = 0; i < SEGMENTS; i++) {
+        uint32_t quad[6] = {2 * i, 2 * i + 2, 2 * i + 3, 2 * i, 2 * i + 3, 2 * i + 1};
+        for (uint32_t c = 0; c < 6; c++) {
+            corners[6 * i + c] = quad[c];
+            triangles[6 * i + c] = quad[c] % (2 * SEGMENTS);
+        }
+    }
+    struct mesh_uv layer = {"map", uv};
+    struct mesh_input mesh = quad();
+    mesh.positions = positions;
+    mesh.vertex_count = 2 * SEGMENTS;
+    mesh.triangles = triangles;
+    mesh.triangle_count = 2 * SEGMENTS;
+    mesh.corners = corners;
+    mesh.corner_count = 2 * SEGMENTS + 2;
+    mesh.corner_normals = normals;
+    mesh.uv = &layer;
+    mesh.uv_count = 1;
+    assert_true(add_mesh(scene, mesh));
+}
+
+/* Interpolated between corners that share it, the tangent is along ∂p/∂u of the smooth surface; a face's own
+   would be off by up to half a face's angle, 0.2 rad, and jump at each edge. */
+static void tangents_of_smooth_meshes_follow_the_smooth_surface(void **state)
+{
+    (void)state;
+    static const float blue[4] = {0.5f, 0.5f, 1, 1};
+    struct scene *scene = scene_create();
+    assert_true(scene_add_image(scene, image_create("bumps", 1, 1, 4, false, blue, sizeof blue, NULL), NULL));
+    struct closure *closure = scenes_grey();
+    closure->normal_map = calloc(1, sizeof *closure->normal_map);
+    *closure->normal_map =
+        (struct texture){.image = scene_find_image(scene, "bumps"), .transform = scenes_identity};
+    closure->normal_strength = 1;
+    scenes_material(scene, "bumpy", closure);
+    add_cylinder(scene);
+    scenes_instance(scene, "thing", "quad", "bumpy", &scenes_identity, 1);
+    scenes_commit(scene);
+    for (uint64_t i = 0; i < 2000; i++) {
+        struct vec3 out = vec3(cosf((float)i), sinf((float)i), 0);
+        struct ray ray = {vec3(5 * out.x, 5 * out.y, (float)independent(3, i)), negate(out), 0, INFINITY,
+                          RAY_CAMERA};
+        struct hit hit;
+        const struct material *material;
+        assert_true(scene_intersect(scene, &ray, &hit, &material));
+        assert_true(dot(hit.tangent, vec3(-hit.ns.y, hit.ns.x, 0)) > cosf(0.01f));
+        assert_false(hit.mirrored_uv);
+    }
+    scene_destroy(scene);
+}
+
 /* A material index beyond the slots takes the last slot, as in Blender. */
 static void faces_have_their_own_materials(void **state)
 {
@@ -483,6 +552,7 @@ int main(void)
         cmocka_unit_test(bad_lights_name_what_is_wrong),
         cmocka_unit_test(hits_carry_coordinates_normals_and_tangent),
         cmocka_unit_test(mirrored_uvs_are_told_under_mirroring_transforms),
+        cmocka_unit_test(tangents_of_smooth_meshes_follow_the_smooth_surface),
         cmocka_unit_test(faces_have_their_own_materials),
         cmocka_unit_test(textures_look_up_the_layer_that_they_name),
         cmocka_unit_test(edits_show_after_the_next_commit),
