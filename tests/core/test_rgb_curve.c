@@ -1,5 +1,6 @@
 /* Colours as reflectances: they come back from D65 and the observer as they went in. The way back is computed here
    from the spectra's values at small steps, not by the code that fits. */
+#include "spectrum/rgb_fit.h"
 #include "spectrum/spectrum.h"
 
 #include <math.h>
@@ -245,6 +246,15 @@ static void strange_numbers_make_a_reflectance_too(void **state)
     }
 }
 
+static void coefficients_beyond_floats_saturate(void **state)
+{
+    (void)state;
+    struct rgb_curve white = fit_curve(&(struct fit){.p = {0, 0, 1e24}});
+    struct rgb_curve black = fit_curve(&(struct fit){.p = {1, 2, -1e24}});
+    assert_float_equal(rgb_curve_eval(&white, 500, UV_HOLD), 1, 0);
+    assert_float_equal(rgb_curve_eval(&black, 500, UV_HOLD), 0, 0);
+}
+
 static void below_360_nm_the_rule_decides(void **state)
 {
     (void)state;
@@ -381,6 +391,7 @@ int main(void)
         cmocka_unit_test(what_a_reflectance_reaches_comes_back_in_wide_spaces),
         cmocka_unit_test(what_no_reflectance_reaches_gets_the_nearest),
         cmocka_unit_test(strange_numbers_make_a_reflectance_too),
+        cmocka_unit_test(coefficients_beyond_floats_saturate),
         cmocka_unit_test(below_360_nm_the_rule_decides),
         cmocka_unit_test(the_table_of_curves_keeps_colours),
         cmocka_unit_test(the_table_is_continuous),

@@ -226,7 +226,7 @@ static void a_clamped_spectrum_is_clamped_everywhere(void **state)
     }
 }
 
-/* Chromaticities that the CIE publishes with the tables (CIE 15:2018, tables 6 and 11), in five decimals. */
+/* Chromaticities that the CIE publishes with the tables, in five decimals, those of F in four. */
 static void illuminants_have_their_published_chromaticity(void **state)
 {
     (void)state;
@@ -241,15 +241,16 @@ static void illuminants_have_their_published_chromaticity(void **state)
         stokes_error err;
         struct spectrum *s = spectrum_illuminant(lambda_range, published[i].name, "lamp", &err);
         assert_non_null(s);
+        bool coarse =
+            published[i].name[0] == 'F' || published[i].name[0] == 'C'; /* summed as published, by 5 nm */
         double sum[3] = {0};
-        for (int nm = 360; nm <= 830; nm++) {
+        for (int nm = 360; nm <= 830; nm += coarse ? 5 : 1) {
             float cmf[3];
             cmf_eval((float)nm, cmf);
             for (int c = 0; c < 3; c++)
                 sum[c] += cmf[c] * spectrum_eval(s, (float)nm);
         }
-        /* F are published in four decimals; C in steps of 5 nm is coarser than the curve it stands for */
-        double tolerance = published[i].name[0] == 'F' ? 1e-4 : published[i].name[0] == 'C' ? 1e-4 : 2e-5;
+        double tolerance = published[i].name[0] == 'F' ? 7e-5 : 2e-5;
         assert_float_equal(sum[0] / (sum[0] + sum[1] + sum[2]), published[i].x, tolerance);
         assert_float_equal(sum[1] / (sum[0] + sum[1] + sum[2]), published[i].y, tolerance);
         spectrum_destroy(s);
