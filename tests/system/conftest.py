@@ -60,24 +60,22 @@ class Core:
             out.unlink()
         return picture
 
-    def batches(self, scene, integrator, count, spp, bins, measure, first_seed=1, **options):
-        """`measure` of `count` independent renders (by seed), a row each. As many at a time as there are processors."""
+    def batches(self, scene, integrator, renders, samples, bins, measure, first_seed=1, **options):
+        """The rows that `measure` makes of independent renders (by seed), as many at a time as there are processors."""
+
         def one(seed):
-            picture = self.render(
-                scene,
-                name="%s-%s-%d.exr" % (pathlib.Path(scene).stem, integrator, seed),
-                integrator=integrator,
-                samples=spp,
-                seed=seed,
-                threads=1,
-                bins=bins,
-                **options,
+            name = "%s-%s-%d.exr" % (pathlib.Path(scene).stem, integrator, seed)
+            return np.atleast_2d(
+                measure(
+                    self.render(
+                        scene, name, integrator=integrator, samples=samples, seed=seed, threads=1, bins=bins, **options
+                    )
+                )
             )
-            return measure(picture)
 
         workers = len(os.sched_getaffinity(0))
         with concurrent.futures.ThreadPoolExecutor(workers) as pool:
-            return np.array(list(pool.map(one, range(first_seed, first_seed + count))))
+            return np.concatenate(list(pool.map(one, range(first_seed, first_seed + renders))))
 
 
 @pytest.fixture(scope="session")

@@ -16,22 +16,16 @@ def integral(values):
 
 
 class Table:
-    """A piecewise-linear spectrum, and the same as the stream says it."""
+    """A piecewise-linear spectrum, and the same as the stream says it. Outside it is zero; a reflectance has to cover Λ."""
 
     def __init__(self, nm, values):
         self.nm, self.values = np.asarray(nm, dtype=float), np.asarray(values, dtype=float)
 
     def on_grid(self):
-        return np.interp(GRID, self.nm, self.values)
+        return np.interp(GRID, self.nm, self.values, left=0, right=0)
 
     def message(self):
         return {"table": {"lambda": self.nm.tolist(), "value": self.values.tolist()}}
-
-
-def bell(mean, sigma, peak, floor=0.0):
-    """A Gaussian as a table of 2 nm steps over Λ."""
-    nm = np.arange(RANGE[0], RANGE[1] + 1, 2.0)
-    return Table(nm, floor + peak * np.exp(-(((nm - mean) / sigma) ** 2) / 2))
 
 
 def floats_of(name):

@@ -22,20 +22,27 @@ IDENTITY = stream.IDENTITY
 
 # --- Materials and lights ------------------------------------------------------------------------
 
+# Dark enough for short paths. The spectra have no long tails: a bin carries much or nothing, so few samples say much.
 MATERIALS = {
-    "elastic": exact.Material(exact.Table([300, 450, 600, 830], [0.3, 0.55, 0.4, 0.6])),
+    "elastic": exact.Material(exact.Table([300, 450, 600, 830], [0.25, 0.45, 0.3, 0.5])),
     # Absorbs in the UV and the blue, emits green; its emission overlaps its absorption, so it absorbs its own light.
     "fluorescent": exact.Material(
-        reflectance=exact.Table([300, 480, 560, 830], [0.25, 0.35, 0.6, 0.55]),
-        absorption=exact.Table(
-            exact.bell(440, 40, 1).nm, 0.85 * exact.bell(440, 40, 1).values + 0.7 * exact.bell(360, 25, 1).values
-        ),
-        emission=exact.bell(525, 25, 1),
+        reflectance=exact.Table([300, 480, 560, 830], [0.25, 0.35, 0.5, 0.4]),
+        absorption=exact.Table([300, 345, 390, 440, 520, 540], [0.2, 0.9, 0.85, 0.5, 0.15, 0]),
+        emission=exact.Table([490, 515, 535, 585], [0, 0.8, 1, 0]),
         concentration=0.9,
         quantum_yield=0.85,
     ),
 }
-LIGHTS = {"d65": exact.d65(), "uv": exact.bell(365, 8, 1)}
+# Emission and absorption are zero outside their tables, which the stream and `Table` both say.
+LIGHTS = {"d65": exact.d65(), "uv": exact.Table([344, 362, 374, 396], [0, 1, 1, 0])}
+# Where each light, and what it makes the dye emit, is looked at: bins of 20 nm.
+BINS = {
+    ("elastic", "d65"): (15, 400, 700),
+    ("elastic", "uv"): (3, 340, 400),
+    ("fluorescent", "d65"): (15, 400, 700),
+    ("fluorescent", "uv"): (13, 340, 600),
+}
 
 
 def emission(light, total=1.0):
@@ -132,7 +139,7 @@ def translation(x, y, z):
     return [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z]
 
 
-def camera(out, transform=IDENTITY, resolution=(16, 16), half=1.0, **members):
+def camera(out, transform=IDENTITY, resolution=(16, 16), half=1.5, **members):
     """A pinhole that looks along −Z; `half` is the tangent of half its vertical angle."""
     wide = half * resolution[0] / resolution[1]
     out.send(
@@ -166,7 +173,7 @@ def furnace(path, material, light, **settings):
 def sphere_with_patch(path, material, light, level=4, **settings):
     """A sphere whose cap behind the camera emits as well. Returns the walls' radiance on the grid."""
     positions, triangles = icosphere(level)
-    cap = positions[triangles].mean(axis=1)[:, 2] > 0.5
+    cap = positions[triangles].mean(axis=1)[:, 2] > 0.1
     size = areas(positions, triangles)
     message, values = emission(light)
     with stream.Recorder(path) as out:
