@@ -14,6 +14,7 @@ from ..export import StrictError, camera
 from .session import Session
 
 SHOW_SECONDS = 0.25  # between two pictures shown
+BATCH_SECONDS = 1.0
 CANCEL_SECONDS = 5  # a core that is well needs a tenth of one
 SHOW_SHARE = 0.1  # of the time may go into showing them
 
@@ -70,6 +71,7 @@ def _check(engine):
 def _follow(engine, session, picture):
     """Until the core has finished; returns what it said then."""
     give_up = None
+    progress = Progress(engine)
     while True:
         if give_up is None and engine.test_break():
             session.client.cancel()
@@ -78,7 +80,7 @@ def _follow(engine, session, picture):
             raise CoreError("The core did not stop within %d seconds and was ended" % CANCEL_SECONDS)
         for event in session.events():
             if event.name == "progress":
-                _show_progress(engine, event.members)
+                progress.show(event.members)
             elif event.name == "tile":
                 picture.changed()
             elif event.name == "finished":
@@ -131,6 +133,20 @@ def set_pixels(target, data, count):
             target.rect.foreach_set(floats)
     else:  # 3.4 refuses a flat array for a pass of four channels (blender.md, 8)
         target.rect = list(struct.iter_unpack("<4f", data[:16 * count]))
+
+
+class Progress:
+    """What the status line says; a batch render prints each line, so there it speaks once a second."""
+
+    def __init__(self, engine):
+        self.engine = engine
+        self.next_show = 0.0
+
+    def show(self, members):
+        now = time.monotonic()
+        if now >= self.next_show:
+            self.next_show = now + (BATCH_SECONDS if bpy.app.background else SHOW_SECONDS)
+            _show_progress(self.engine, members)
 
 
 def _show_progress(engine, members):

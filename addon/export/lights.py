@@ -6,6 +6,7 @@ Measured with Cycles in Blender 3.4.1 and bpy 4.2.23, 4.5.15, 5.0.1 (the change 
     sun            irradiance P; before 4.0 a disk of constant *projected* radiance, which loses
                    2cosα/(1+cosα) of it for half-angle α
 Without `normalize` (4.5) the radiance is P/π, the intensity P/π, the sun's radiance P.
+A spot of 3.4 is dimmed by the cosine too, which the stream does not know: a warning says so.
 Cycles lights with a soft radius are disks that turn to face each point; here they are the spheres of the same intensity."""
 
 import math
@@ -18,7 +19,7 @@ def send_light(shown, matrix, visible, name, context):
     light = shown.data
     if context.cycles(light, "is_portal", False):
         return  # a portal emits nothing: it only guides Cycles' sampling
-    _warn(light, context)
+    _warn(light, matrix, context)
     kind, factor, members = _KINDS[light.type](light, matrix, context)
     emission = scaled(nodes.light_emission(light, context), light.energy * factor * 2 ** getattr(light, "exposure", 0))
     context.send("light", name=name, kind=kind, transform=camera.flat(camera.rigid(matrix)), emission=emission,
@@ -80,11 +81,16 @@ def _area(light, matrix, context):
 _KINDS = {'POINT': _point, 'SPOT': _spot, 'SUN': _sun, 'AREA': _area}
 
 
-def _warn(light, context):
+def _warn(light, matrix, context):
     if light.type == 'AREA' and light.spread < math.pi - 1e-4:
         context.warn(light, "spread", "is not rendered: the light shines over its whole half-space")
-    if light.type == 'SPOT' and getattr(light, "use_square", False):
-        context.warn(light, "use_square", "is rendered as a round cone")
+    if light.type == 'SPOT':
+        scale = matrix.to_scale()
+        if max(scale) - min(scale) > 1e-3 * max(scale) and context.blender_version >= (3, 5, 0):
+            context.warn(light, "scale", "of a spot is not rendered: its cone is round")
+        if context.blender_version < (3, 5, 0):
+            context.warn(light, "spot_size", "the cone is rendered as from Blender 3.5 on: "
+                         "3.4 dims it towards its edge, by the cosine")
     casts = light.use_shadow if context.blender_version >= (4, 2, 0) else context.cycles(light, "cast_shadow", True)
     if not casts:
         context.warn(light, "use_shadow", "is off, but the light casts shadows all the same")

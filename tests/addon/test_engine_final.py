@@ -47,15 +47,15 @@ scene.render.use_border = scene.render.use_crop_to_border = True
 number = 0
 for size in ((97, 53), (100, 100), (203, 101)):
     scene.render.resolution_x, scene.render.resolution_y = size
-    for percent in (100, 50, 33):
+    for percent in (100, 33):
         scene.render.resolution_percentage = percent
-        for low, high in ((0, 1), (0.1, 0.9), (1 / 3, 2 / 3), (0.29, 0.57), (0.501, 0.803), (0.8, 1)):
+        for low, high in ((0.1, 0.9), (1 / 3, 2 / 3), (0.29, 0.57)):
             scene.render.border_min_x = scene.render.border_min_y = low
             scene.render.border_max_x = scene.render.border_max_y = high
             bpy.ops.render.render()
             number += 1
 tell(number)
-""", tmp_path) == 54
+""", tmp_path) == 18
 
 
 def test_each_view_layer_is_rendered(host, tmp_path):
@@ -161,8 +161,9 @@ material.use_nodes = True
 os.environ["FAKE_CORE_LOG"] = os.path.join(TMP, "log")
 start = time.time()
 material.asset_generate_preview()
-while not (material.preview and material.preview.image_size[0]) and time.time() - start < 20:
-    time.sleep(0.05)
+log = os.path.join(TMP, "log")
+while not (os.path.exists(log) and '"render"' in open(log).read()) and time.time() - start < 20:
+    time.sleep(0.05)  # 3.4 renders it in a job of its own
 frames = [json.loads(line) for line in open(os.path.join(TMP, "log"))]
 settings = [f["members"] for f in frames if f["name"] == "settings"][-1]
 camera = [f["members"] for f in frames if f["name"] == "camera"][-1]
