@@ -1,6 +1,7 @@
 """Cycles' BSDF nodes, one function each. What a closure of ours cannot say is named in a
 warning."""
 
+from .graph import decimal
 from .registry import translates
 from .textures import normal
 from .values import rgb_spectrum
@@ -182,4 +183,5 @@ def add(*closures):
 
 def plain(material):
     """A material without nodes: Cycles renders its viewport colour as a diffuse surface."""
-    return {"bsdf": "diffuse", "reflectance": rgb_spectrum(tuple(material.diffuse_color[:3]))}
+    color = tuple(decimal(channel) for channel in material.diffuse_color[:3])
+    return {"bsdf": "diffuse", "reflectance": rgb_spectrum(color)}

@@ -27,12 +27,14 @@ def _soft_light(a, b):
     return (1 - a) * b * a + a * (1 - (1 - b) * (1 - a))
 
 
-def _dodge(a, b):
-    return 0.0 if a == 0 else 1.0 if b >= 1 else min(1.0, a / (1 - b))
+def _dodge(a, b, factor):
+    rest = 1 - factor * b
+    return 0.0 if a == 0 else 1.0 if rest <= 0 else min(1.0, a / rest)
 
 
-def _burn(a, b):
-    return 0.0 if b <= 0 else min(1.0, max(0.0, 1 - (1 - a) / b))
+def _burn(a, b, factor):
+    rest = 1 - factor + factor * b
+    return 0.0 if rest <= 0 else min(1.0, max(0.0, 1 - (1 - a) / rest))
 
 
 # f(a, b) per channel; the node mixes a with it by the factor.
@@ -50,9 +52,9 @@ _BLENDS = {
     'OVERLAY': _overlay,
     'SOFT_LIGHT': _soft_light,
     'LINEAR_LIGHT': lambda a, b: a + 2 * b - 1,
-    'DODGE': _dodge,
-    'BURN': _burn,
 }
+
+_SCALED_BLENDS = {'DODGE': _dodge, 'BURN': _burn}  # the factor is inside these
 
 
 def _blend_hsv(kind, a, b):
@@ -68,6 +70,8 @@ def _blend_hsv(kind, a, b):
 
 def blend(kind, factor, a, b):
     """Mix of two RGB colours as in Cycles."""
+    if kind in _SCALED_BLENDS:
+        return tuple(_SCALED_BLENDS[kind](x, y, factor) for x, y in zip(a, b))
     if kind in _BLENDS:
         full = tuple(_BLENDS[kind](x, y) for x, y in zip(a, b))
     else:

@@ -4,7 +4,7 @@ back from it."""
 import bpy
 
 from .closures import light_of, plain
-from .graph import Graph, describe
+from .graph import Graph, decimal, describe
 from .registry import key_of
 from .values import Constant, Environment, as_rgb, scaled
 
@@ -39,7 +39,7 @@ def surface(material, context):
 
 def light_emission(light, context):
     """L of a light's node tree and colour, without its power."""
-    tint = tuple(light.color)
+    tint = tuple(decimal(channel) for channel in light.color)
     if getattr(light, "use_temperature", False):
         tint = tuple(a * b for a, b in zip(tint, light.temperature_color))
     if not has_nodes(light):
@@ -78,7 +78,7 @@ def world(world, context):
     if world is None:
         return dict(_DARK)
     if not has_nodes(world):
-        return {"kind": "constant", "emission": {"rgb": list(world.color), "scale": 1.0}}
+        return {"kind": "constant", "emission": {"rgb": [decimal(channel) for channel in world.color], "scale": 1.0}}
     output = world.node_tree.get_output_node('CYCLES')
     if output is None:
         return dict(_DARK)
