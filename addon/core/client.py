@@ -59,7 +59,7 @@ class Client:
         try:
             self._process = subprocess.Popen(
                 arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
-                pass_fds=descriptors, bufsize=0, start_new_session=True)
+                pass_fds=descriptors, bufsize=0, start_new_session=True, env=_environment(executable))
         except OSError as error:
             raise CoreError("The core does not start: %s" % error) from error
         self._in, self._out = self._process.stdin.fileno(), self._process.stdout.fileno()
@@ -242,6 +242,15 @@ class Client:
 def error_line(members):
     """An `error` or `warning` of the core as one line."""
     return ": ".join(part for part in (members.get(key) for key in ("object", "property", "text")) if part)
+
+
+def _environment(executable):
+    """A packed core finds its libraries beside it; None is the environment as it is."""
+    libraries = os.path.join(os.path.dirname(os.path.abspath(executable)), "lib")
+    if not os.path.isdir(libraries):
+        return None
+    paths = [libraries, os.environ.get("LD_LIBRARY_PATH", "")]
+    return dict(os.environ, LD_LIBRARY_PATH=os.pathsep.join(path for path in paths if path))
 
 
 def _signal_name(number):
