@@ -1,6 +1,7 @@
 /* `stokes render`: a scene file to an EXR or PNG. */
 #include <getopt.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -42,14 +43,13 @@ struct job {
     bool quiet, shows_help;
 };
 
-static volatile sig_atomic_t interrupted; /* a signal handler has nothing else to write to */
+static atomic_bool interrupted; /* a signal handler has nothing else to write to */
 
 static void on_interrupt(int signal_number)
 {
     (void)signal_number;
-    if (interrupted)
+    if (atomic_exchange(&interrupted, true))
         _exit(CLI_CANCELLED); /* asked twice: now */
-    interrupted = 1;
 }
 
 static bool on_cancelled(void *user)

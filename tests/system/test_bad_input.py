@@ -17,6 +17,7 @@ STOKES = pathlib.Path(os.environ.get("STOKES") or pathlib.Path(__file__).parents
 SECONDS = 60  # for a process that has nothing to wait for; only a hang needs it
 START = frames.hello() + frames.color() + frames.settings()
 QUICK = 0.1  # what a cancel may take
+TRIES = 5
 NAN, INF = float("nan"), float("inf")
 
 
@@ -401,12 +402,19 @@ def test_a_frame_that_fails_changes_nothing(server):
 
 
 def test_cancel_is_quick_and_the_process_stays(server):
+    """The best of a few tries counts: other processes may hold the processor for longer."""
     start_long_render(server)
-    before = time.monotonic()
-    server.send(frames.frame("cancel"))
-    told = server.wait("finished")
-    assert time.monotonic() - before < QUICK
-    assert told["cancelled"] and told["samples"] >= 0
+    for attempt in range(TRIES):
+        before = time.monotonic()
+        server.send(frames.frame("cancel"))
+        told = server.wait("finished")
+        took = time.monotonic() - before
+        assert told["cancelled"] and told["samples"] >= 0
+        if took < QUICK:
+            break
+        server.send(frames.render(0, 1 << 20))
+        server.wait("progress")
+    assert took < QUICK
     server.send(frames.render(0, 1))
     told = server.wait("finished")
     assert not told["cancelled"] and told["samples"] == 1
@@ -418,17 +426,24 @@ def test_cancel_reaches_a_render_that_has_not_begun(server):
     assert server.wait("finished")["cancelled"]
 
 
-@pytest.mark.parametrize("end", ["quit", "stdin", "broken"])
-def test_the_end_of_input_ends_a_render_quickly(server, end):
-    start_long_render(server)
-    before = time.monotonic()
-    if end == "stdin":
-        server.process.stdin.close()
-    else:
-        server.send(frames.frame("quit") if end == "quit" else b"X" * 48)
-    status = server.process.wait(SECONDS)
-    assert time.monotonic() - before < QUICK + 0.1  # and the process is gone
-    assert status == (1 if end == "broken" else 0)
+@pytest.mark.parametrize("end, status", [("quit", 0), ("stdin", 0), ("broken", 1)])
+def test_the_end_of_input_ends_a_render_quickly(end, status):
+    times = []
+    while len(times) < TRIES and min(times, default=QUICK) >= QUICK:
+        server = Server()
+        try:
+            start_long_render(server)
+            before = time.monotonic()
+            if end == "stdin":
+                server.process.stdin.close()
+            else:
+                server.send(frames.frame("quit") if end == "quit" else b"X" * 48)
+            assert server.process.wait(SECONDS) == status
+            times.append(time.monotonic() - before)
+        finally:
+            server.process.kill()
+            server.close()
+    assert min(times) < QUICK, times  # and the process is gone
 
 
 def test_a_killed_parent_ends_the_core(tmp_path):
@@ -490,6 +505,23 @@ def test_interrupt_keeps_whole_passes(tmp_path):
     again = tmp_path / "again.exr"
     assert run("render", scene, "-o", again, "-q", "-s", samples).returncode == 0
     assert again.read_bytes() == out.read_bytes()
+
+
+def test_a_time_limit_keeps_whole_passes(tmp_path):
+    scene, out, again = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "again.exr"
+    scene.write_bytes(frames.scene(size=64, samples=1 << 20))
+    assert run("render", scene, "-o", out, "-q", "--time-limit", "0.5").returncode == 0
+    samples = int(re.search(rb"samples: 0 to (\d+) of", run("info", out).stdout)[1])
+    assert 0 < samples < 1 << 20
+    assert run("render", scene, "-o", again, "-q", "-s", samples).returncode == 0
+    assert again.read_bytes() == out.read_bytes()
+
+
+def test_a_time_limit_too_short_for_one_pass_gives_one(tmp_path):
+    scene, out = tmp_path / "scene.stokes", tmp_path / "out.exr"
+    scene.write_bytes(frames.scene(size=64, samples=100))
+    assert run("render", scene, "-o", out, "-q", "--time-limit", "0.000001").returncode == 0
+    assert b"samples: 0 to 1 of" in run("info", out).stdout
 
 
 # --- Shared memory -----------------------------------------------------------------------------------------------
