@@ -11,7 +11,7 @@ static double cross_section(const struct scene *scene)
 
 static double power_sun(const struct scene *scene, const struct light *light)
 {
-    return light->lamp->emission.total * cross_section(scene);
+    return light->total * cross_section(scene);
 }
 
 /* 1 − cos without cancellation. */
@@ -116,7 +116,7 @@ const struct light_kind light_sun_delta = {.delta = true,
 static double power_world(const struct scene *scene, const struct light *light)
 {
     (void)light;
-    return scene->world->emission.total * 4 * PI_F * cross_section(scene);
+    return light->total * 4 * PI_F * cross_section(scene);
 }
 
 static float pdf_world(const struct scene *scene, const struct light *light, const struct light_point *point)

@@ -6,7 +6,7 @@
 static double power_surface(const struct scene *scene, const struct light *light)
 {
     (void)scene;
-    return light->lamp->emission.total * light->lamp->area * PI_F;
+    return light->total * light->lamp->area * PI_F;
 }
 
 static float pdf_area(const struct scene *scene, const struct light *light, const struct light_point *point)
@@ -165,7 +165,7 @@ const struct light_kind light_sphere = {.has_normal = true,
 static double power_point(const struct scene *scene, const struct light *light)
 {
     (void)scene;
-    return light->lamp->emission.total * 4 * PI_F;
+    return light->total * 4 * PI_F;
 }
 
 static float sample_point(const struct scene *scene, const struct light *light, double choice,
@@ -255,7 +255,7 @@ static double spot_solid_angle(const struct lamp *lamp)
 static double power_spot(const struct scene *scene, const struct light *light)
 {
     (void)scene;
-    return light->lamp->emission.total * spot_solid_angle(light->lamp);
+    return light->total * spot_solid_angle(light->lamp);
 }
 
 /* Uniform in the local cone. A linear map A of directions has the Jacobian |det A| / |A ω|³. */

@@ -56,7 +56,7 @@ static double power(const struct scene *scene, const struct light *light)
 {
     int sides = material_emits_on_both_sides(material_of(scene, light)) ? 2 : 1;
     double area = light->cdf->sum[light->cdf->count] * area_factor(scene, light);
-    return spectrum_integral(light->spectrum) * area * PI_F * sides;
+    return light->total * area * PI_F * sides;
 }
 
 /* Probability of the triangle over its area in the world: the same for all where the table holds world areas;

@@ -61,6 +61,9 @@ float scene_sample_light_lambda(const struct scene *, const struct light_point *
 float scene_pdf_light_lambda(const struct scene *, const struct light_point *, float lambda);
 /* The spectrum that those draw from (not normalised); borrowed. */
 const struct spectrum *scene_light_spectrum(const struct scene *, int light);
+/* Lights of one spectral shape share their spectrum: how many shapes there are, and which one a light has. */
+int scene_light_shape_count(const struct scene *);
+int scene_light_shape(const struct scene *, int light);
 
 /* Draws the first ray of a light path. pdf: per projected solid angle about the light point's normal (per solid angle where it has none);
    for distant lights the density per area perpendicular to the direction, and *origin is on a disk outside of the scene. */

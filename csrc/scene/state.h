@@ -147,7 +147,9 @@ struct light_kind;
 struct light {
     const struct light_kind *kind;
     const char *name;
-    const struct spectrum *spectrum;
+    const struct spectrum *spectrum; /* shared by all of its shape */
+    uint32_t shape;                  /* index into scene.spectra */
+    double total;                    /* ∫ of the light's own mean spectrum over Λ */
     double power, probability;
     uint32_t mask;
     const struct lamp *lamp;        /* of lamps */
@@ -179,6 +181,8 @@ extern const struct light_kind light_mesh, light_rectangle, light_ellipse, light
 
 /* Makes the table of lights from emissive objects, lamps and the world; then the choice among them. */
 bool scene_build_lights(struct scene *, stokes_error *err);
+/* Lets lights of one spectral shape share it. False: no memory. */
+bool scene_share_spectra(struct scene *);
 bool scene_weigh_lights(struct scene *, stokes_error *err);
 void scene_free_lights(struct scene *);
 /* Index of the entry of an ascending sum[count + 1] that x·sum[count] falls into, and where in it, 0 … 1. */
@@ -252,6 +256,8 @@ struct scene {
     struct light *lights;
     size_t light_count;
     double *light_sum;
+    const struct spectrum **spectra; /* distinct shapes of lights' spectra; borrowed from their lights */
+    size_t spectrum_count;
     int *hittable, *distant; /* indices of lamps that rays can hit, of distant lights that they can see */
     size_t hittable_count, distant_count;
     struct spectrum *lamp_spectrum;
