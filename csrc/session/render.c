@@ -13,7 +13,8 @@
 #define UNIT_PIXELS 16 /* a unit of work is one sample of so many pixels squared */
 #define PROGRESS_EVERY_S 0.1
 #define FIRST_PASS_CHUNK_S 0.5 /* the first pass is shown as it grows */
-#define REFRESH_SHARE 20       /* the picture is refreshed when that costs no more than 1/20 of the time */
+#define REFRESH_SHARE 20       /* the picture is refreshed when that costs no more than 1/20 of the time, */
+#define FIRST_REFRESH_SHARE 8  /* or 1/8 while the first pass grows */
 #define MERGE_SHARE 50         /* a batch lasts so much longer than its merge */
 #define BATCH_MIN_S 0.1
 #define BATCH_MAX_S 5.0
@@ -74,7 +75,7 @@ static void refresh_picture(struct render *render, const struct film *film, int 
         return;
     film_resolve(film, render->space, divisor, render->picture);
     double after = os_seconds();
-    render->refresh_at = after + (after - now) * REFRESH_SHARE;
+    render->refresh_at = after + (after - now) * (samples > 0 ? REFRESH_SHARE : FIRST_REFRESH_SHARE);
     const int rect[4] = {0, 0, film->width, film->height};
     if (listener->tile)
         listener->tile(listener->user, rect, samples);

@@ -475,6 +475,63 @@ static void colours_out_of_reach_are_counted_once_for_each_object(void **state)
     stokes_session_destroy(session);
 }
 
+/* --- Images ------------------------------------------------------------------------------------------------ */
+
+static const struct image *sent_image(stokes_session *session, const char *colorspace, bool expected)
+{
+    static const float texels[6] = {0.5f, 0.25f, 0, 1, 1, 0.04f};
+    char json[256];
+    stokes_error err;
+    snprintf(json, sizeof json,
+             "{\"name\": \"Photo\", \"width\": 2, \"height\": 1, \"channels\": 3, \"format\": \"f32\","
+             "\"colorspace\": \"%s\", \"pixels\": {\"at\": 0, \"bytes\": 24}}",
+             colorspace);
+    assert_int_equal(send_with(session, "image", json, texels, sizeof texels, &err), expected);
+    if (!expected)
+        assert_string_equal(err.property, "image.colorspace");
+    return scene_find_image(session->scene, "Photo");
+}
+
+static void an_image_arrives_in_the_working_space(void **state)
+{
+    (void)state;
+    stokes_session *session = greeted();
+    assert_null(sent_image(session, "Filmic Log", false)); /* needs a config */
+    const struct image *image = sent_image(session, "data", true);
+    assert_float_equal(image->rgba[0], 0.5, 0);
+    image = sent_image(session, "sRGB", true);
+    assert_float_equal(image->rgba[0], 0.214041, 1e-5); /* IEC 61966-2-1 */
+    assert_float_equal(image->rgba[1], 0.050876, 1e-5);
+    assert_float_equal(image->rgba[3], 1, 0);
+    assert_float_equal(image->rgba[6], 0.04 / 12.92, 1e-5);
+    assert_float_equal(image->mean[0], (0.214041 + 1) / 2, 1e-5);
+    stokes_session_destroy(session);
+}
+
+static void an_image_keeps_its_colour_in_another_working_space(void **state)
+{
+    (void)state;
+    stokes_session *session = greeted();
+    struct working_space rec709;
+    stokes_error err;
+    assert_true(send(session, "color",
+                     "{\"rgb_to_xyz\": [0.6624542, 0.1340042, 0.1561877, 0.2722287, 0.6740818, 0.0536895,"
+                     "-0.0055746, 0.0040607, 1.0103391]}",
+                     &err));
+    const float *p = sent_image(session, "Linear Rec.709", true)->rgba;
+    const double *m = session->color.working_space.rgb_to_xyz, rgb[3] = {0.5, 0.25, 0};
+    working_space_rec709(&rec709);
+    for (int r = 0; r < 3; r++) {
+        double expected = 0, found = 0;
+        for (int c = 0; c < 3; c++) {
+            expected += rec709.rgb_to_xyz[3 * r + c] * rgb[c];
+            found += m[3 * r + c] * (double)p[c];
+        }
+        assert_float_equal(found, expected, 1e-5);
+    }
+    stokes_session_destroy(session);
+}
+
 /* --- Fingerprints ------------------------------------------------------------------------------------------ */
 
 static void print_of(const char *settings, uint32_t last_index, char text[SESSION_FINGERPRINT_BYTES])
@@ -638,6 +695,8 @@ int main(void)
         cmocka_unit_test(defaults_are_those_of_the_page),
         cmocka_unit_test(what_colours_rest_on_cannot_change_under_them),
         cmocka_unit_test(colours_out_of_reach_are_counted_once_for_each_object),
+        cmocka_unit_test(an_image_arrives_in_the_working_space),
+        cmocka_unit_test(an_image_keeps_its_colour_in_another_working_space),
         cmocka_unit_test(a_fingerprint_sees_what_changes_the_image_and_nothing_else),
         cmocka_unit_test(overrides_are_checked_like_settings),
         cmocka_unit_test(a_cancel_stops_what_came_before_it),

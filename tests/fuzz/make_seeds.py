@@ -64,6 +64,7 @@ def full_mesh():
 def seeds():
     start = frames.hello() + frames.color()
     picture = start + frames.image()
+    lit = picture + full_mesh() + frames.instances() + frames.light()  # so that TARGET=render sees the material
     yield "scene", frames.scene()
     yield "mesh", start + full_mesh()
     shared = {"name": "shared", "positions": {"shared": 0, "bytes": 96}, "triangles": {"shared": 96, "bytes": 0}}
@@ -80,13 +81,13 @@ def seeds():
     for kind in ("rectangle", "ellipse", "sphere", "point", "spot", "sun"):
         yield "light_" + kind, start + frames.light(kind=kind, visible={"camera": False})
     for name, spectrum in SPECTRA.items():
-        yield "spectrum_" + name, picture + diffuse(reflectance=spectrum)
+        yield "spectrum_" + name, lit + diffuse(reflectance=spectrum)
     for name, value in VALUES.items():
-        yield "value_" + name, picture + diffuse(roughness=value)
+        yield "value_" + name, lit + diffuse(roughness=value)
     for name, emission in EMISSIONS.items():
-        yield "emission_" + name, picture + frames.material({"emission": emission})
+        yield "emission_" + name, lit + frames.material({"emission": emission})
     for name, closure in CLOSURES.items():
-        yield "closure_" + name, picture + frames.material(closure)
+        yield "closure_" + name, lit + frames.material(closure)
 
 
 def main(folder, dictionary):
