@@ -71,7 +71,7 @@ class Links(html.parser.HTMLParser):
 
 
 class Index:
-    """Reads pages and files as pip is set up to: its indexes, certificates, proxy, trusted hosts."""
+    """Reads pages and files as pip is set up to: indexes, certificates, proxy, trusted hosts."""
 
     def __init__(self, config):
         one = config.get("index-url") or ["https://pypi.org/simple"]
