@@ -2,9 +2,9 @@
    same bits whatever the order of threads and merges. One unit is 2^-FILM_FRACTION_BITS.
 
    The overflow rule: what is added is never negative (a contribution that is negative once rounded, or not
-   finite, is rejected and counted), and a sum that would pass FILM_SUM_MAX stays there. min(Σ, FILM_SUM_MAX) of
-   non-negative terms does not depend on their order or grouping, so saturation is as deterministic as the
-   sums; `saturated` counts the sums that stand at the limit. */
+   finite, is rejected and counted), and a sum that would pass FILM_SUM_MAX stays there. min(Σ,
+   FILM_SUM_MAX) of non-negative terms does not depend on their order or grouping, so saturation is as
+   deterministic as the sums; `saturated` counts the sums that stand at the limit. */
 #ifndef FILM_FILM_H
 #define FILM_FILM_H
 
@@ -78,5 +78,11 @@ bool film_write_png(int width, int height, const float *rgba, const char *path, 
 /* An offset in pixels drawn from the Blackman–Harris window of Blender's filter width. As in Cycles the
    window spans twice that width: offsets lie in [-width, width]. */
 float film_filter_sample(float width, float u);
+
+/* The other way round, for one axis of a splat: the pixel that a point at `at` (in pixels) is counted in,
+   drawn so that it reaches each pixel as often as that pixel's camera samples reach it; *weight (near 1)
+   multiplies the value. The pixel may lie outside the film, and *weight is 0 where a narrow filter leaves a
+   gap. */
+int film_filter_pixel(float width, float at, float u, float *weight);
 
 #endif

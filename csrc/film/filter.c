@@ -43,3 +43,21 @@ float film_filter_sample(float width, float u)
     }
     return (float)(2 * x) * width;
 }
+
+/* Pixel centres lie at half integers; a camera sample of pixel i looks through i + 1/2 + offset. So what is
+   seen through `at` belongs to pixel i with the filter's density at i + 1/2 - at; one of them is drawn, and
+   stands for all. */
+int film_filter_pixel(float width, float at, float u, float *weight)
+{
+    int first = (int)ceilf(at - 0.5f - width), last = (int)floorf(at - 0.5f + width);
+    double sum = 0, passed = 0, unused;
+    for (int i = first; i <= last; i++)
+        sum += window((i + 0.5 - (double)at) / (2 * (double)width), &unused);
+    *weight = (float)(sum / (2 * (double)width));
+    for (int i = first; i <= last; i++) {
+        passed += window((i + 0.5 - (double)at) / (2 * (double)width), &unused);
+        if (u * sum < passed)
+            return i;
+    }
+    return last;
+}

@@ -246,6 +246,36 @@ static void filter_inverts_its_cdf_and_is_symmetric(void **state)
     }
 }
 
+/* One bright point seen by both: its share of each pixel must be the same from the camera and from the light. */
+static void splats_reach_a_pixel_as_often_as_its_camera_samples_do(void **state)
+{
+    (void)state;
+    enum { PIXELS = 9, BATCHES = 64, DRAWS = 20000 };
+    const float widths[3] = {1.5f, 0.8f, 3.7f}, spot = 0.25f; /* the point is spread over ± spot/2 */
+    for (int w = 0; w < 3; w++) {
+        struct batches camera[PIXELS] = {0}, light[PIXELS] = {0};
+        for (uint64_t batch = 0; batch < BATCHES; batch++) {
+            double seen[PIXELS] = {0}, sent[PIXELS] = {0};
+            for (uint64_t i = 0; i < DRAWS; i++) {
+                uint64_t seed = (uint64_t)w * BATCHES + batch;
+                float from = 4.3f + spot * ((float)independent(seed, 3 * i) - 0.5f), weight;
+                int pixel = film_filter_pixel(widths[w], from, (float)independent(seed, 3 * i + 1), &weight);
+                if (pixel >= 0 && pixel < PIXELS)
+                    sent[pixel] += (double)weight / DRAWS;
+                float offset = film_filter_sample(widths[w], (float)independent(seed, 3 * i + 2));
+                for (int x = 0; x < PIXELS; x++)
+                    seen[x] +=
+                        fabsf((float)x + 0.5f + offset - 4.3f) < spot / 2 ? 1 / (double)spot / DRAWS : 0;
+            }
+            for (int x = 0; x < PIXELS; x++) {
+                batches_add(&camera[x], seen[x]);
+                batches_add(&light[x], sent[x]);
+            }
+        }
+        assert_same(camera, light, PIXELS, (struct power){.sees_error = 0.05, .scale = 0.3});
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -257,6 +287,7 @@ int main(void)
         cmocka_unit_test(resolving_gives_the_mean_in_the_working_space),
         cmocka_unit_test(what_is_no_picture_is_refused),
         cmocka_unit_test(filter_offsets_follow_the_blackman_harris_window),
+        cmocka_unit_test(splats_reach_a_pixel_as_often_as_its_camera_samples_do),
         cmocka_unit_test(filter_inverts_its_cdf_and_is_symmetric),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
