@@ -1,0 +1,184 @@
+"""Panels, menus and operators: in the background what can be asked there, and every tab in a real window."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+
+from conftest import INSIDE, ROOT
+
+WINDOW = """
+import traceback
+from addon import nodes
+scene = bpy.context.scene
+scene.render.engine = 'STOKES'
+bpy.context.preferences.view.show_splash = False
+cube = bpy.data.objects["Cube"]
+tree = cube.data.materials[0].node_tree
+for kind in nodes.KINDS:
+    made = nodes.new(tree, kind)
+paint = nodes.new(tree, "fluorescent", dye="rhodamine-6g_ethanol")
+tree.nodes.active = paint
+bpy.ops.stokes.check_scene()
+window = bpy.context.window_manager.windows[0]
+seen = []
+
+def area(kind):
+    return next(a for a in window.screen.areas if a.type == kind)
+
+def show(what):
+    if what in {'NODES', 'UNDO'}:
+        if what == 'NODES':
+            area('VIEW_3D').ui_type = 'ShaderNodeTree'
+            area('NODE_EDITOR').spaces[0].show_region_ui = True
+        else:
+            undo()
+        return
+    if what.startswith('LIGHT'):
+        bpy.context.view_layer.objects.active = bpy.data.objects["Light"]
+        bpy.data.lights[0].type = what[6:]
+        with bpy.context.temp_override(window=window, area=area('PROPERTIES'), object=bpy.data.objects["Light"]):
+            bpy.ops.stokes.light_spectrum(spectrum='UV365')
+        what = 'DATA'
+    area('PROPERTIES').spaces[0].context = what
+
+def undo():
+    editor = area('NODE_EDITOR')
+    region = next(r for r in editor.regions if r.type == 'WINDOW')
+    before = len(tree.nodes)
+    with bpy.context.temp_override(window=window, area=editor, region=region):
+        bpy.ops.ed.undo_push(message="before")
+        bpy.ops.stokes.add_node(kind="spectrum_line")
+        added = len(bpy.data.materials["Material"].node_tree.nodes) - before
+        bpy.ops.ed.undo_push(message="after")
+        bpy.ops.ed.undo()
+    left = len(bpy.data.materials["Material"].node_tree.nodes) - before
+    seen.append(["undo", added, left])
+
+STEPS = ['RENDER', 'OUTPUT', 'VIEW_LAYER', 'SCENE', 'WORLD', 'OBJECT', 'MATERIAL', 'NODES', 'UNDO',
+         'LIGHT POINT', 'LIGHT SUN', 'LIGHT SPOT', 'LIGHT AREA']
+
+def step():
+    try:
+        if not STEPS:
+            tell(seen)
+            bpy.ops.wm.quit_blender()
+            return None
+        show(STEPS[0])
+        seen.append(STEPS.pop(0))
+        return 0.4
+    except RuntimeError as error:
+        if "can't modify blend data in this state" in str(error):  # a preview is being made: later
+            return 0.2
+        traceback.print_exc()
+    except Exception:
+        traceback.print_exc()
+    bpy.ops.wm.quit_blender()
+    return None
+
+bpy.app.timers.register(step, first_interval=1)
+"""
+
+
+def test_registering_twice_leaves_no_trace(host, tmp_path):
+    found = host.run("""
+def marked():
+    return sum('STOKES' in getattr(panel, "COMPAT_ENGINES", ()) for panel in bpy.types.Panel.__subclasses__()
+               if not panel.__name__.startswith("STOKES"))
+
+told = [marked()]
+addon.unregister()
+told += [marked(), hasattr(bpy.types.Scene, "stokes"), hasattr(bpy.types, "STOKES_PT_sampling")]
+addon.register()
+told += [marked(), hasattr(bpy.types.Scene, "stokes")]
+tell(told)
+""", tmp_path)
+    assert found[0] > 50 and found[1:4] == [0, False, False] and found[4:] == [found[0], True]
+
+
+def test_every_setting_reaches_the_stream_as_it_was_typed(host, tmp_path):
+    found = host.run("""
+from addon import properties
+scene = empty_scene()
+settings = scene.stokes
+settings.shrink, settings.d0, settings.seed, settings.animate_seed = 0.3, 12.5, 7, True
+settings.lambda_min, settings.lambda_max = 700, 600
+scene.frame_set(5)
+scene.render.filter_size = 2.2
+settings.time_limit = 3
+told = [properties.stream_settings(scene), properties.stream_settings(scene, preview=True)["time_limit"]]
+settings.use_record, settings.record_path = True, "/x/a_###.stokes"
+told.append(properties.record_path(scene))
+tell(told)
+""", tmp_path)
+    message = found[0]
+    assert (message["shrink"], message["d0"], message["seed"], message["filter_width"]) == (0.3, 12.5, 12, 2.2)
+    assert message["lambda_max"] > message["lambda_min"]
+    assert message["time_limit"] == 3 and found[1] == 0
+    assert found[2] == "/x/a_005.stokes"
+
+
+def test_presets_set_what_they_say(host, tmp_path):
+    found = host.run("""
+from addon import properties
+settings = bpy.context.scene.stokes
+told = []
+for name, (_label, _tooltip, values) in properties.PRESETS.items():
+    bpy.ops.stokes.preset(name=name)
+    told.append(all(abs(getattr(settings, key) - value) < 1e-6 if not isinstance(value, str)
+                    else getattr(settings, key) == value for key, value in values.items()))
+tell(told)
+""", tmp_path)
+    assert found == [True] * 5
+
+
+def test_the_check_lists_what_will_not_be_rendered_as_in_cycles(host, tmp_path):
+    found = host.run("""
+from addon.ui import report
+scene = empty_scene()
+plane = add_mesh()
+material = add_material("Rough", plane.data)
+material.use_nodes = True
+tree = material.node_tree
+shader = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+noise = tree.nodes.new("ShaderNodeTexNoise")
+tree.links.new(noise.outputs[1], shader.inputs[0])
+tell(report.check(scene))
+""", tmp_path)
+    assert [entry[:2] for entry in found] == [["Rough", "Noise Texture"]]
+
+
+def test_a_lamp_takes_a_spectrum_and_gives_it_back(host, tmp_path):
+    found = host.run("""
+from addon.ui import light_spectrum
+from addon.export import nodes as translation
+class Context:
+    blender_version = bpy.app.version
+    def warn(self, *words): print(words)
+light = bpy.data.lights.new("L", 'POINT')
+told = []
+for name in ('UV365', 'SODIUM', 'D65', 'RGB'):
+    light_spectrum.set_spectrum(light, name)
+    told.append([translation.light_emission(light, Context()), len(light.node_tree.nodes)])
+tell(told)
+""", tmp_path)
+    assert found[0][0]["shape"] == {"gaussian": {"mean": 365, "sigma": 5, "peak": 1}}
+    assert found[1][0]["shape"] == {"line": {"center": 589.3, "width": 2}}
+    assert found[2][0]["shape"] == {"illuminant": "D65"}
+    assert found[3][0] == {"rgb": [1, 1, 1], "scale": 1}
+    assert [count for _emission, count in found] == [3, 3, 3, 2]
+
+
+@pytest.mark.skipif(not (shutil.which("xvfb-run") and shutil.which("blender")), reason="needs Blender and Xvfb")
+def test_every_tab_draws_in_a_window_and_adding_a_node_can_be_undone(tmp_path):
+    """A panel that fails draws nothing and says so on the console."""
+    script = tmp_path / "script.py"
+    script.write_text(INSIDE.read_text() + WINDOW)
+    done = subprocess.run(
+        ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", "blender", "--factory-startup", "--window-geometry", "0", "0",
+         "1280", "1024", "--python", str(script)], timeout=100, cwd=tmp_path, text=True, errors="replace",
+        env=dict(os.environ, LIBGL_ALWAYS_SOFTWARE="1", ROOT=str(ROOT), TMP_PATH=str(tmp_path)),
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert "Traceback" not in done.stdout and "Error" not in done.stdout, done.stdout
+    assert '["undo", 1, 0]' in done.stdout and '"LIGHT AREA"' in done.stdout, done.stdout
