@@ -10,8 +10,8 @@
 
 void emission_free(struct emission *emission)
 {
-    spectrum_destroy(emission->shape);
-    emission->shape = NULL;
+    spectrum_destroy(emission->own_shape);
+    emission->shape = emission->own_shape = NULL;
 }
 
 struct spectrum *emission_white(const struct scene *scene)
@@ -55,20 +55,6 @@ static struct spectrum *texture_shape(const struct scene *scene, const float mea
     return scaled;
 }
 
-static struct spectrum *shape_of(const struct scene *scene, struct emission *emission, const float mean[3])
-{
-    struct spectrum *fixed = emission->fixed ? spectrum_scaled(emission->fixed, 1) : NULL;
-    if (!emission->texture)
-        return fixed;
-    struct spectrum *textured = texture_shape(scene, mean, emission->scale, &emission->out_of_reach);
-    if (!fixed || !textured)
-        return fixed ? fixed : textured;
-    struct spectrum *sum = spectrum_sum(fixed, textured);
-    spectrum_destroy(fixed);
-    spectrum_destroy(textured);
-    return sum;
-}
-
 bool emission_compile(struct emission *emission, const struct scene *scene, const struct emission_node *node,
                       const float mean[3], const char *name, stokes_error *err)
 {
@@ -85,8 +71,9 @@ bool emission_compile(struct emission *emission, const struct scene *scene, cons
         return fail(err, name, "emission", "its texture has no image");
     if (emission->texture && !(emission->scale >= 0 && isfinite(emission->scale)))
         return fail(err, name, "scale", "is %g", (double)emission->scale);
-    emission->shape = emission->fixed || emission->texture ? shape_of(scene, emission, mean)
-                                                           : spectrum_constant(scene->context.range, 0);
+    if (emission->texture)
+        emission->own_shape = texture_shape(scene, mean, emission->scale, &emission->out_of_reach);
+    emission->shape = emission->texture ? emission->own_shape : emission->fixed;
     if (!emission->shape)
         return fail(err, name, "emission", "no memory for its spectrum");
     emission->total = spectrum_integral(emission->shape);
@@ -110,6 +97,6 @@ static float texel_at(const struct emission *emission, struct vec3 coordinates, 
 
 float emission_at(const struct emission *emission, struct vec3 coordinates, float lambda)
 {
-    float value = emission->fixed ? spectrum_eval(emission->fixed, lambda) : 0;
-    return emission->texture ? value + texel_at(emission, coordinates, lambda) : value;
+    return emission->texture ? texel_at(emission, coordinates, lambda)
+                             : spectrum_eval(emission->fixed, lambda);
 }

@@ -74,7 +74,7 @@ float scene_pdf_light_direction(const struct scene *, const struct light_point *
 /* Spectral radiance (intensity for points without area; irradiance perpendicular for δ suns) that leaves the light point along a direction. */
 float scene_light_emission(const struct scene *, const struct light_point *, struct vec3 direction, float lambda);
 
-/* Lamps that the open segment passes, nearest first, at most `most`; ray->far bounds it. */
+/* Lamps that the open segment passes, nearest first, at most `most` (and 64); ray->far bounds it. */
 int scene_lamps_along(const struct scene *, const struct ray *, struct light_point *, int most);
 /* What the ray sees at infinity: the world and suns of finite angle; at most `most`. */
 int scene_distant_along(const struct scene *, const struct ray *, struct light_point *, int most);

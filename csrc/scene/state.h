@@ -91,14 +91,15 @@ void material_slot_destroy(struct material_slot *);
 
 /* --- Lights ------------------------------------------------------------------------------------------ */
 
-/* Spectral radiance, intensity or irradiance of a light that is not a mesh. */
+/* Spectral radiance, intensity or irradiance of a light that is not a mesh: a spectrum, or a texture. */
 struct emission {
-    const struct spectrum *fixed;  /* the untextured part or NULL */
-    const struct texture *texture; /* the textured part or NULL */
+    const struct spectrum *fixed;
+    const struct texture *texture; /* NULL: `fixed` */
     float scale;                   /* of the texture */
     const struct rgb_table *table;
     const struct spectrum *illuminant; /* scene.illuminant */
-    struct spectrum *shape;            /* wavelengths are drawn from it: positive wherever the light emits */
+    const struct spectrum *shape;      /* wavelengths are drawn from it: positive wherever the light emits */
+    struct spectrum *own_shape;        /* of a texture */
     double total;                      /* ∫ of the mean over Λ */
     bool out_of_reach;                 /* no reflectance has the mean colour of the texture */
 };
