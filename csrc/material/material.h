@@ -122,6 +122,19 @@ enum scatter_class { SCATTER_DIFFUSE, SCATTER_GLOSSY, SCATTER_TRANSMISSION, SCAT
 bool surface_sample(const struct surface *, enum side, struct vec3 arriving, float lambda, const float u[4],
                     struct scatter *);
 
+/* A step that was drawn before, evaluated at other wavelengths with its geometry kept (exact.md §2): the label's value ρ and both
+   densities, as in struct scatter. False where a δ lobe cannot make it at this wavelength. Elastic labels read lambda_arriving alone. */
+struct surface_step {
+    float value, pdf, pdf_other;
+};
+bool surface_step_again(const struct surface *, enum side, enum label, int lobe, struct vec3 arriving,
+                        struct vec3 leaving, float lambda_arriving, float lambda_leaving, struct surface_step *);
+
+/* Properties of an elastic passage from one direction to another, the same for both sides of transport: whether the lobe's directions depend
+   on the wavelength, and which of Cycles' bounce limits counts it. */
+bool surface_elastic_disperses(const struct surface *, struct vec3 a, struct vec3 b);
+enum scatter_class surface_elastic_class(const struct surface *, struct vec3 a, struct vec3 b);
+
 /* The emission and absorption shapes of fluorescent lobe f, for tables over pairs (exact.md, O_YX); borrowed. */
 const struct spectrum *surface_fluorescent_emission(const struct surface *, int f);
 const struct spectrum *surface_fluorescent_absorption(const struct surface *, int f); /* ã, without c */

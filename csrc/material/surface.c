@@ -242,13 +242,38 @@ static bool draw_direction(const struct draw *d, const struct lobe *lobe, struct
     return b.z * dot(*leaving, d->surface->ng) > 0;
 }
 
+static bool crosses(const struct surface *s, struct vec3 a, struct vec3 b)
+{
+    return dot(a, s->ng) * dot(b, s->ng) < 0;
+}
+
+bool surface_elastic_disperses(const struct surface *s, struct vec3 a, struct vec3 b)
+{
+    if (!crosses(s, a, b))
+        return false;
+    for (int i = 0; i < s->lobe_count; i++)
+        if (s->lobe[i].kind->nature == LOBE_FINITE && s->lobe[i].kind->disperses &&
+            s->lobe[i].kind->disperses(&s->lobe[i]))
+            return true;
+    return false;
+}
+
+enum scatter_class surface_elastic_class(const struct surface *s, struct vec3 a, struct vec3 b)
+{
+    if (crosses(s, a, b))
+        return SCATTER_TRANSMISSION;
+    for (int i = 0; i < s->lobe_count; i++)
+        if (s->lobe[i].kind->nature == LOBE_FINITE && s->lobe[i].kind->reflects_as == SCATTER_DIFFUSE)
+            return SCATTER_DIFFUSE;
+    return SCATTER_GLOSSY;
+}
+
 static bool draw_elastic(const struct draw *d, const struct lobe *lobe, struct scatter *out)
 {
     const struct surface *s = d->surface;
     struct vec3 leaving;
     if (!draw_direction(d, lobe, &leaving))
         return false;
-    bool crosses = dot(d->arriving, s->ng) * dot(leaving, s->ng) < 0;
     bool camera = d->side == SIDE_CAMERA;
     *out = (struct scatter){
         .label = LABEL_ELASTIC,
@@ -258,9 +283,9 @@ static bool draw_elastic(const struct draw *d, const struct lobe *lobe, struct s
             surface_elastic(s, camera ? leaving : d->arriving, camera ? d->arriving : leaving, d->lambda),
         .pdf = surface_pdf_elastic(s, d->side, d->arriving, leaving, d->lambda),
         .pdf_other = surface_pdf_elastic(s, d->other, leaving, d->arriving, d->lambda),
-        .refracts = crosses && lobe->kind->disperses,
-        .disperses = crosses && lobe->kind->disperses && lobe->kind->disperses(lobe),
-        .depth_class = crosses ? SCATTER_TRANSMISSION : lobe->kind->reflects_as,
+        .refracts = crosses(s, d->arriving, leaving) && lobe->kind->disperses,
+        .disperses = surface_elastic_disperses(s, d->arriving, leaving),
+        .depth_class = surface_elastic_class(s, d->arriving, leaving),
     };
     return true;
 }
@@ -361,6 +386,58 @@ bool surface_sample(const struct surface *s, enum side side, struct vec3 arrivin
         break;
     }
     return drawn && out->pdf > 0;
+}
+
+/* --- The same step at another wavelength --------------------------------------------------------------------- */
+
+/* The branch of a δ lobe that leaves to a known side: its scatter takes the first branch for u = 0 and the last for u → 1. */
+static bool delta_again(const struct surface *s, enum side side, int index, struct vec3 arriving,
+                        struct vec3 leaving, float lambda, struct scatter *out)
+{
+    static const float branch[2] = {0, 1 - 0x1p-24f};
+    for (int i = 0; i < 2; i++) {
+        const float u[4] = {0, branch[i], 0, 0};
+        struct draw d = {.surface = s,
+                         .side = side,
+                         .other = side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA,
+                         .arriving = arriving,
+                         .lambda = lambda,
+                         .u = u};
+        chances(s, side, arriving, lambda, d.chance);
+        if (draw_delta(&d, index, out) && dot(out->direction, s->ng) * dot(leaving, s->ng) > 0)
+            return true;
+    }
+    return false;
+}
+
+bool surface_step_again(const struct surface *s, enum side side, enum label label, int which,
+                        struct vec3 arriving, struct vec3 leaving, float lambda_arriving,
+                        float lambda_leaving, struct surface_step *out)
+{
+    enum side other = side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA;
+    bool camera = side == SIDE_CAMERA;
+    struct vec3 to_light = camera ? leaving : arriving, to_camera = camera ? arriving : leaving;
+    struct scatter delta;
+    switch (label) {
+    case LABEL_ELASTIC:
+        out->value = surface_elastic(s, to_light, to_camera, lambda_arriving);
+        out->pdf = surface_pdf_elastic(s, side, arriving, leaving, lambda_arriving);
+        out->pdf_other = surface_pdf_elastic(s, other, leaving, arriving, lambda_arriving);
+        return true;
+    case LABEL_FLUORESCENT:
+        out->value = surface_fluorescent(s, which, to_light, to_camera, camera ? lambda_leaving : lambda_arriving,
+                                         camera ? lambda_arriving : lambda_leaving);
+        out->pdf = surface_pdf_fluorescent(s, side, which, arriving, leaving, lambda_arriving, lambda_leaving);
+        out->pdf_other =
+            surface_pdf_fluorescent(s, other, which, leaving, arriving, lambda_leaving, lambda_arriving);
+        return true;
+    case LABEL_SPECULAR:
+        if (!delta_again(s, side, s->specular[which], arriving, leaving, lambda_arriving, &delta))
+            return false;
+        *out = (struct surface_step){delta.value, delta.pdf, delta.pdf_other};
+        return true;
+    }
+    return false;
 }
 
 /* --- Fluorophores ---------------------------------------------------------------------------------------- */
