@@ -110,6 +110,11 @@ struct spectrum *knots_finish(struct knots *k, const char *name, stokes_error *e
         return NULL;
     }
     accumulate(s);
+    if (!isfinite(s->cumulative[s->count - 1])) {
+        spectrum_destroy(s);
+        fail(err, name, "spectrum", "its values leave the range of floats");
+        return NULL;
+    }
     index_buckets(s);
     index_cdf(s);
     return s;

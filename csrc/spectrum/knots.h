@@ -14,7 +14,7 @@ struct knots {
 void knots_add(struct knots *, float lambda_nm, float value);
 /* Appends the part of a linear piece from (l0, v0) to (l1, v1) that lies in the range. */
 void knots_add_piece(struct knots *, struct range, float l0, float v0, float l1, float v1);
-/* A spectrum of these knots, which it takes; NULL and *err if there is no memory. */
+/* A spectrum of these knots, which it takes; NULL and *err if there is no memory or a value is not finite. */
 struct spectrum *knots_finish(struct knots *, const char *name, stokes_error *err);
 void knots_free(struct knots *);
 

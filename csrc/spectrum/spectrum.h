@@ -32,7 +32,8 @@ struct spectrum {
 };
 
 /* Constructors: yours (spectrum_destroy). All clip to Λ and return NULL with *err filled on bad input: not ascending,
-   not finite. `name` goes into the error. Linearly interpolated knots; `beyond` extends the first and last value or drops to zero. */
+   not finite. `name` goes into the error. Linearly interpolated knots; `beyond` extends the first and last value or drops to zero.
+   A black body is 1 at its maximum inside Λ, daylight and the CIE's illuminants at 560 nm; a line has height 1. */
 struct spectrum *spectrum_constant(struct range, float value);
 struct spectrum *spectrum_table(struct range, const float *lambda, const float *value, size_t count, enum beyond,
                                 const char *name, stokes_error *err);
@@ -42,7 +43,8 @@ struct spectrum *spectrum_illuminant(struct range, const char *illuminant, const
 struct spectrum *spectrum_gaussian(struct range, double mean, double sigma, double peak, const char *name, stokes_error *err);
 struct spectrum *spectrum_line(struct range, double center, double width, const char *name, stokes_error *err);
 struct spectrum *spectrum_library(struct range, const char *entry, const char *name, stokes_error *err);
-/* Knots of both; the product of linear pieces is sampled at 1 nm steps too, so it is within rounding of exact at them. */
+/* NULL without memory or where values leave the range of floats; both operands have the same Λ. The product has the knots
+   of both; the product of linear pieces is sampled at 1 nm steps too, so it is within rounding of exact at them. */
 struct spectrum *spectrum_sum(const struct spectrum *a, const struct spectrum *b);
 struct spectrum *spectrum_product(const struct spectrum *a, const struct spectrum *b);
 struct spectrum *spectrum_scaled(const struct spectrum *, float factor);

@@ -322,6 +322,37 @@ static void the_table_of_curves_keeps_colours(void **state)
     rgb_table_destroy(table);
 }
 
+/* In Rec.2020 a quarter of the cube is out of reach, and cells there lie beside cells of steep curves. */
+static void the_table_of_a_wide_space_keeps_what_is_in_reach(void **state)
+{
+    (void)state;
+    static struct observer_table o;
+    static struct fitter fitter;
+    struct working_space space;
+    set_observer(&o);
+    assert_true(working_space_set(&space, rec2020, NULL));
+    fitter_set(&fitter, &space, 5);
+    struct rgb_table *table = rgb_table_create(&space, 2);
+    double sum = 0;
+    int reached = 0, off = 0;
+    for (uint64_t i = 0; i < 4000; i++) {
+        float rgb[3];
+        for (uint64_t c = 0; c < 3; c++)
+            rgb[c] = (float)pow(independent(50 + c, i), i % 2 ? 1 : 2.2);
+        struct rgb_curve curve = rgb_table_lookup(table, rgb);
+        struct fit direct = fitter_solve(&fitter, (double[3]){rgb[0], rgb[1], rgb[2]});
+        if (!fit_reaches(&direct))
+            continue;
+        double difference = round_trip(&o, &space, rgb, &curve);
+        sum += difference;
+        off += difference > 2;
+        reached++;
+    }
+    print_message("%d of 4000 in reach, mean ΔE2000 %.3f, %d beyond 2\n", reached, sum / reached, off);
+    assert_true(reached > 2000 && sum / reached < 0.2 && off < reached / 100);
+    rgb_table_destroy(table);
+}
+
 /* Along a path through the cube, 1/4096 a step, no jump: a texture's gradient stays one. */
 static void the_table_is_continuous(void **state)
 {
@@ -394,6 +425,7 @@ int main(void)
         cmocka_unit_test(coefficients_beyond_floats_saturate),
         cmocka_unit_test(below_360_nm_the_rule_decides),
         cmocka_unit_test(the_table_of_curves_keeps_colours),
+        cmocka_unit_test(the_table_of_a_wide_space_keeps_what_is_in_reach),
         cmocka_unit_test(the_table_is_continuous),
         cmocka_unit_test(a_white_that_is_not_d65_keeps_its_chromaticity),
     };

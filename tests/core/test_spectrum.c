@@ -312,6 +312,17 @@ static void assert_refused(struct spectrum *s, const stokes_error *err, const ch
     assert_string_equal(err->object, "lamp");
 }
 
+static void what_overflows_is_no_spectrum(void **state)
+{
+    (void)state;
+    struct spectrum *large = spectrum_constant(lambda_range, 1e30f);
+    assert_null(spectrum_scaled(large, 1e30f));
+    assert_null(spectrum_product(large, large));
+    assert_null(spectrum_scaled(large, NAN));
+    assert_null(spectrum_constant(lambda_range, INFINITY));
+    spectrum_destroy(large);
+}
+
 static void bad_input_is_named(void **state)
 {
     (void)state;
@@ -440,6 +451,7 @@ int main(void)
         cmocka_unit_test(a_black_body_peaks_where_wien_says),
         cmocka_unit_test(daylight_of_6504_kelvin_is_d65),
         cmocka_unit_test(gaussians_and_lines_have_their_areas),
+        cmocka_unit_test(what_overflows_is_no_spectrum),
         cmocka_unit_test(bad_input_is_named),
         cmocka_unit_test(a_histogram_draws_as_it_says_and_misses_nothing),
         cmocka_unit_test(a_histogram_follows_the_product),
