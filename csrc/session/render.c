@@ -12,6 +12,7 @@
 
 #define UNIT_PIXELS 16 /* a unit of work is one sample of so many pixels squared */
 #define PROGRESS_EVERY_S 0.1
+#define REFRESH_EVERY_S 0.1
 #define FIRST_PASS_CHUNK_S 0.5 /* the first pass is shown as it grows */
 #define REFRESH_SHARE 20       /* the picture is refreshed when that costs no more than 1/20 of the time, */
 #define FIRST_REFRESH_SHARE 8  /* or 1/8 while the first pass grows */
@@ -75,7 +76,8 @@ static void refresh_picture(struct render *render, const struct film *film, int 
         return;
     film_resolve(film, render->space, divisor, render->picture);
     double after = os_seconds();
-    render->refresh_at = after + (after - now) * (samples > 0 ? REFRESH_SHARE : FIRST_REFRESH_SHARE);
+    render->refresh_at =
+        after + fmax(REFRESH_EVERY_S, (after - now) * (samples > 0 ? REFRESH_SHARE : FIRST_REFRESH_SHARE));
     const int rect[4] = {0, 0, film->width, film->height};
     if (listener->tile)
         listener->tile(listener->user, rect, samples);
@@ -173,9 +175,9 @@ static bool trace_passes(struct render *render, stokes_error *err)
         if (!merge_batch(render, passes, err))
             return false;
         pass_s = (os_seconds() - before) / passes;
-        if (os_seconds() > render->refresh_at)
-            refresh_picture(render, render->film, render->film->end_sample - render->first_sample,
-                            render->film->end_sample - render->first_sample);
+        int samples = render->film->end_sample - render->first_sample;
+        if (render->film->end_sample < render->end_sample && os_seconds() > render->refresh_at)
+            refresh_picture(render, render->film, samples, samples);
     }
     return true;
 }
