@@ -322,7 +322,7 @@ static void the_table_of_curves_keeps_colours(void **state)
     rgb_table_destroy(table);
 }
 
-/* In Rec.2020 a quarter of the cube is out of reach, and cells there lie beside cells of steep curves. */
+/* Part of Rec.2020's cube is out of reach, and cells there lie beside cells of steep curves. */
 static void the_table_of_a_wide_space_keeps_what_is_in_reach(void **state)
 {
     (void)state;
