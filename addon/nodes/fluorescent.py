@@ -79,7 +79,7 @@ class Fluorescent(NodeKind):
         Socket(
             "Reflectance",
             'COLOR',
-            (0.8, 0.8, 0.8),
+            (0.5, 0.5, 0.5),
             tooltip="What the surface reflects without the dye",
         ),
         Socket(

@@ -1,5 +1,5 @@
-"""Writes library.json: the core's spectra on a coarse grid, for plots, colours and menus. Not part of
-the add-on at run time. Needs the package `colour-science` (BSD 3-Clause).
+"""Writes library.json: the core's spectra on a coarse grid, for plots, colours and menus. Not part
+of the add-on at run time. Needs the package `colour-science` (BSD 3-Clause).
 
     python3 addon/nodes/library_make.py build/stokes
 """

@@ -3,9 +3,9 @@ file's CLASSES."""
 
 import bpy
 
-from . import engines, light_spectrum, node_editor, plot, render, report, shading
+from . import engines, light_spectrum, node_editor, plot, preferences, render, report, shading
 
-_FILES = (light_spectrum, shading, node_editor, report, render)
+_FILES = (preferences, light_spectrum, shading, node_editor, report, render)
 
 
 def register():
