@@ -77,11 +77,14 @@ class FakeCore:
                 return [zlib.crc32(memory[value["shared"]:value["shared"] + value["bytes"]])]
         return [crc for item in value.values() for crc in self.sums(item, area)]
 
-    def apply(self, name, members, area):
-        number, self.frames = self.frames, self.frames + 1
+    def note(self, name, members, area):
         if self.log:
             line = {"name": name, "members": members, "crc": self.sums(members, area), "at": time.time()}
             print(json.dumps(line), file=self.log, flush=True)
+
+    def apply(self, name, members, area):
+        number, self.frames = self.frames, self.frames + 1
+        self.note(name, members, area)
         if FAULTS.get("die-at") == name:
             print("first line", "fake core: out of paper", sep="\n", file=sys.stderr, flush=True)
             os._exit(3)
@@ -106,7 +109,9 @@ class FakeCore:
         for sample in range(first + 1, end + 1):
             time.sleep(0.02 if "slow" in FAULTS else 0)
             if "deaf" not in FAULTS and select.select([0], [], [], 0)[0]:
-                cancelled = (self.read() or ("quit",))[0] in ("cancel", "quit")
+                frame = self.read() or ("quit", {}, b"")
+                self.note(*frame)
+                cancelled = frame[0] in ("cancel", "quit")
                 if cancelled:
                     break
             if sample in (first + 1, end):
