@@ -80,12 +80,26 @@ def material(name, make):
     return result
 
 
+def diffuse(name, rgb):
+    def make(tree):
+        node = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        node.inputs[0].default_value = (*rgb, 1.0)
+        return node
+
+    return material(name, make)
+
+
+def mesh(name, points, faces, surface, smooth=False):
+    data = bpy.data.meshes.new(name)
+    data.from_pydata([tuple(point) for point in points], [], faces)
+    data.polygons.foreach_set("use_smooth", [smooth] * len(faces))
+    data.materials.append(surface)
+    return place(name, data)
+
+
 def quad(name, corners, surface):
     """A flat wall; its front is where the corners run counter-clockwise."""
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata([tuple(corner) for corner in corners], [], [(0, 1, 2, 3)])
-    mesh.materials.append(surface)
-    return place(name, mesh)
+    return mesh(name, corners, [(0, 1, 2, 3)], surface)
 
 
 def box(low, high, walls):
@@ -123,11 +137,10 @@ def sphere(name, center, radius, surface, segments=160):
         ]
     last = 1 + (rings - 2) * segments
     faces += [(last + k, len(points) - 1, last + (k + 1) % segments) for k in range(segments)]
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata([tuple(radius * c for c in point) for point in points], [], faces)
-    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-    mesh.materials.append(surface)
-    return place(name, mesh, Matrix.Translation(center))
+    points = [tuple(radius * c for c in point) for point in points]
+    shown = mesh(name, points, faces, surface, smooth=True)
+    shown.matrix_world = Matrix.Translation(center)
+    return shown
 
 
 def area_lamp(name, center, size, radiance):
@@ -140,6 +153,13 @@ def area_lamp(name, center, size, radiance):
     light.energy = radiance * factor * size[0] * size[1]
     light.use_nodes = True
     return place(name, light, Matrix.Translation(center))
+
+
+def shine(lamp, source):
+    """Gives a lamp the colour or spectrum of a node of its tree."""
+    tree = lamp.data.node_tree
+    emission = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission")
+    tree.links.new(source.outputs[0], emission.inputs[0])
 
 
 def camera(position, target, lens_mm):

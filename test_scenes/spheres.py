@@ -24,15 +24,6 @@ RADIANCE = 24.0
 VIOLET = {"Mean": 400.0, "Sigma": 10.0, "Peak": 14.0}
 
 
-def grey_wall(nodes):
-    def make(tree):
-        diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
-        diffuse.inputs[0].default_value = (*GREY, 1.0)
-        return diffuse
-
-    return build.material("Grey", make)
-
-
 def painted_wall(nodes, side):
     patch, dye, absorbance = PAINTS[side]
 
@@ -66,23 +57,22 @@ def metal(nodes, name, roughness):
 def lamp(nodes):
     shown = build.area_lamp("Lamp", (0.0, 0.2, HIGH[2] - 0.02), (1.4, 0.8), RADIANCE)
     tree = shown.data.node_tree
-    emission = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeEmission")
     both = tree.nodes.new("ShaderNodeMixRGB")
     both.blend_type = 'ADD'
     both.inputs[0].default_value = 1.0
-    both.location = (emission.location.x - 200, emission.location.y)
+    both.location = (-200, 300)
     daylight = nodes.new(tree, "spectrum_illuminant", illuminant="D65", location=(-500, 400))
     violet = nodes.new(tree, "spectrum_gaussian", sockets=VIOLET, location=(-500, 200))
     tree.links.new(daylight.outputs[0], both.inputs[1])
     tree.links.new(violet.outputs[0], both.inputs[2])
-    tree.links.new(both.outputs[0], emission.inputs[0])
+    build.shine(shown, both)
 
 
 def main():
     options = build.arguments("spheres", (960, 720), 256)
     scene = build.empty_scene()
     nodes = build.enable_addon()
-    grey = grey_wall(nodes)
+    grey = build.diffuse("Grey", GREY)
     walls = {"ceiling": grey, "left": grey}
     walls.update((side, painted_wall(nodes, side)) for side in PAINTS)
     walls["front"] = walls["back"]  # behind the camera
