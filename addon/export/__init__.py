@@ -6,6 +6,8 @@ from .. import properties
 from . import camera, color, nodes, objects
 from .context import ExportContext, StrictError  # noqa: F401
 
+PREVIEW_SECONDS = 1.0  # of rendering; with start, export and display a preview stays under two
+
 
 def send_scene(context, shown_camera, size, rectangle, threads=None):
     """All messages of a scene but `render`. `shown_camera` is an evaluated object; `rectangle` the border."""
@@ -16,7 +18,7 @@ def send_scene(context, shown_camera, size, rectangle, threads=None):
         settings["threads"] = threads
     if context.preview:
         # A preview is a look, not a measurement: wide mollification that does not shrink is clean at once.
-        settings.update(d0=100.0, shrink=0.0)
+        settings.update(d0=100.0, shrink=0.0, time_limit=PREVIEW_SECONDS, max_path=min(settings["max_path"], 12))
     context.send("settings", **settings)
     objects.send_objects(context)
     send_world(context)
