@@ -16,7 +16,7 @@ COMMON   = -Wall -Wextra -Werror -fPIC -fvisibility=hidden -MMD -MP -Icsrc/inclu
 CFLAGS   = -std=c17 $(COMMON)
 CXXFLAGS = -std=c++17 $(COMMON) -isystem $(OCIO)/include
 LIBS     = $(shell pkg-config --libs $(PACKAGES) 2>/dev/null) -lOpenEXRCore -lembree3 \
-           $(OCIO)/lib/libOpenColorIO.so -Wl,-rpath,'$$ORIGIN/deps/ocio/lib:$$ORIGIN/../deps/ocio/lib' -lstdc++ -lpthread -lm
+           $(OCIO)/lib/libOpenColorIO.so -Wl,-rpath,'$$ORIGIN/deps/ocio/lib:$$ORIGIN/../deps/ocio/lib:$$ORIGIN/../../deps/ocio/lib' -lstdc++ -lpthread -lm
 
 SOURCES   = $(filter-out csrc/cli/%,$(wildcard csrc/*/*.c csrc/*/*.cpp csrc/*/*/*.c))
 OBJECTS   = $(patsubst %,$(BUILD)/%.o,$(basename $(SOURCES)))

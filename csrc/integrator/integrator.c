@@ -60,6 +60,9 @@ static void choose_techniques(struct integrator *it, const struct integrator_kin
                 it->light_edges = s - 1;
         }
     it->splats = splats;
+    int edges = settings->max_path;
+    it->limits_bounces =
+        settings->max_diffuse < edges || settings->max_glossy < edges || settings->max_transmission < edges;
 }
 
 static bool check_settings(const struct integrator_settings *s, stokes_error *err)

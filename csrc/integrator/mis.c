@@ -7,6 +7,7 @@ static void copy_step(struct full_step *step, const struct vertex *v, enum side 
     step->fwd = side == SIDE_LIGHT ? v->pdf_own : v->pdf_other;
     step->rev = side == SIDE_LIGHT ? v->pdf_other : v->pdf_own;
     step->label = v->label;
+    step->disperses = v->disperses;
     step->dye = v->kind == VERTEX_SURFACE && v->label == LABEL_FLUORESCENT
                     ? surface_fluorophore(&v->surface, v->lobe)
                     : -1;

@@ -20,6 +20,7 @@ struct full_path {
         double geometry;
         float lambda;
         enum label label;
+        bool disperses; /* passed by a refraction whose direction depends on the wavelength */
         int dye; /* scene-wide index of the fluorophore, where label is FLUORESCENT and this is a surface */
     } step[FULL_PATH_VERTICES];
 };

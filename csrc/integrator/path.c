@@ -67,6 +67,7 @@ static bool arrive(struct vertex *prev, struct vertex *next, struct vec3 directi
 {
     next->kind = VERTEX_SURFACE;
     next->label = LABEL_ELASTIC;
+    next->disperses = false;
     next->unbounded = false;
     next->position = next->hit.position;
     next->to_prev = negate(direction);
@@ -77,7 +78,7 @@ static bool arrive(struct vertex *prev, struct vertex *next, struct vec3 directi
     return cosines > cosine_min * cosine_min && isfinite(next->geometry);
 }
 
-static bool within_bounces(const struct integrator_settings *s, const uint8_t bounces[SCATTER_CLASSES])
+bool path_keeps_bounces(const struct integrator_settings *s, const uint8_t bounces[SCATTER_CLASSES])
 {
     return bounces[SCATTER_DIFFUSE] <= s->max_diffuse && bounces[SCATTER_GLOSSY] <= s->max_glossy &&
            bounces[SCATTER_TRANSMISSION] <= s->max_transmission;
@@ -121,7 +122,7 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     f->throughput = v->throughput * gain / survival;
     f->ray = (struct ray){scene_offset(&v->hit, drawn.direction), drawn.direction, 0, INFINITY,
                           ray_kind_after(drawn.depth_class)};
-    return f->throughput > 0 && isfinite(f->throughput) && within_bounces(&it->settings, next->bounces);
+    return f->throughput > 0 && isfinite(f->throughput) && path_keeps_bounces(&it->settings, next->bounces);
 }
 
 /* Adds vertices until the path ends or has `edges` edges. */

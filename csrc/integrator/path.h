@@ -81,6 +81,7 @@ struct integrator {
     double kappa;
     int full[2], border[4];
     bool traces_camera, traces_light, connects, splats;
+    bool limits_bounces;           /* some limit on a class of bounces is tighter than max_path */
     int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
     int worker_count;
     struct worker *worker;
@@ -100,13 +101,14 @@ static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)
     switch (v->kind) {
     case VERTEX_LIGHT:
         return v->unbounded || !v->light.has_normal ? 1 : fabsf(dot(v->light.normal, direction));
-    case VERTEX_CAMERA:
-        return v->unbounded ? 1 : fabsf(dot(v->lens.axis, direction));
-    case VERTEX_SURFACE:
-        return fabsf(dot(v->hit.ng, direction));
+    case VERTEX_CAMERA: return v->unbounded ? 1 : fabsf(dot(v->lens.axis, direction));
+    case VERTEX_SURFACE: return fabsf(dot(v->hit.ng, direction));
     }
     return 0;
 }
+
+/* Whether a whole path with so many bounces of each class is within the limits. */
+bool path_keeps_bounces(const struct integrator_settings *, const uint8_t bounces[SCATTER_CLASSES]);
 
 /* Where a shadow ray from this vertex starts. */
 struct vec3 vertex_offset(const struct vertex *, struct vec3 direction);
