@@ -53,12 +53,9 @@ static float quadrature(enum albedo_of of, float ior, float alpha, float cosine)
                 sum += f * weight + (1 - f) * refracted_weight(w, h, alpha, ior);
         }
     switch (of) {
-    case ALBEDO_WHITE:
-        return white / (STRATA * STRATA);
-    case ALBEDO_FRESNEL_SHARE:
-        return white > 0 ? sum / white : 1;
-    case ALBEDO_GLASS:
-        return sum / (STRATA * STRATA);
+    case ALBEDO_WHITE: return white / (STRATA * STRATA);
+    case ALBEDO_FRESNEL_SHARE: return white > 0 ? sum / white : 1;
+    case ALBEDO_GLASS: return sum / (STRATA * STRATA);
     }
     return 0;
 }
@@ -76,11 +73,19 @@ static void fill_row(struct albedo_table *t, int row, enum albedo_of of, float i
     t->mean[row] = (float)sum;
 }
 
-struct albedo_table *albedo_table_create(enum albedo_of of, float ior, float low, float high)
+struct albedo_table *albedo_table_create(enum albedo_of of, float ior, const struct closure *closure,
+                                         int input)
 {
     struct albedo_table *t = calloc(1, sizeof *t);
+    float low, high;
     if (!t)
         return NULL;
+    if (closure_value_is_constant(closure, input, &low))
+        low = high = clampf(low, 0, 1);
+    else {
+        low = 0;
+        high = 1;
+    }
     t->low = low;
     t->rows = high > low ? ROUGHNESSES : 1;
     t->per_roughness = t->rows > 1 ? (t->rows - 1) / (high - low) : 0;
@@ -123,4 +128,12 @@ float albedo_mean(const struct albedo_table *t, float roughness)
     float fraction;
     int row = row_of(t, roughness, &fraction);
     return t->rows == 1 ? t->mean[0] : lerpf(t->mean[row], t->mean[row + 1], fraction);
+}
+
+float albedo_compensation(const struct albedo_table *t, float roughness, float cosine, float facets)
+{
+    if (!t)
+        return 1;
+    float e = albedo_at(t, roughness, fabsf(cosine)), mean = albedo_mean(t, roughness);
+    return 1 + facets * mean / (1 - facets * (1 - mean)) * (1 - e) / e;
 }

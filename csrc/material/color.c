@@ -4,12 +4,9 @@
 float spectral_value_eval(const struct spectral_value *v, float lambda)
 {
     switch (v->form) {
-    case SPECTRAL_FLAT:
-        return v->scale;
-    case SPECTRAL_TABLE:
-        return v->scale * spectrum_eval(v->spectrum, lambda);
-    case SPECTRAL_CURVE:
-        return v->scale * rgb_curve_eval(&v->curve, lambda, v->uv_rule);
+    case SPECTRAL_FLAT: return v->scale;
+    case SPECTRAL_TABLE: return v->scale * spectrum_eval(v->spectrum, lambda);
+    case SPECTRAL_CURVE: return v->scale * rgb_curve_eval(&v->curve, lambda, v->uv_rule);
     }
     return 0;
 }
@@ -17,14 +14,11 @@ float spectral_value_eval(const struct spectral_value *v, float lambda)
 bool spectral_value_integral(const struct spectral_value *v, float a, float b, double *integral)
 {
     switch (v->form) {
-    case SPECTRAL_FLAT:
-        *integral = (double)v->scale * (b - a);
-        return true;
+    case SPECTRAL_FLAT: *integral = (double)v->scale * (b - a); return true;
     case SPECTRAL_TABLE:
         *integral = v->scale * (spectrum_integral_to(v->spectrum, b) - spectrum_integral_to(v->spectrum, a));
         return true;
-    case SPECTRAL_CURVE:
-        return false;
+    case SPECTRAL_CURVE: return false;
     }
     return false;
 }

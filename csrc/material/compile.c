@@ -53,6 +53,11 @@ bool compiler_check_ior(struct compiler *c, const struct ior *ior)
     return ior_check(ior, compiler_range(c), c->material->name, c->err);
 }
 
+bool compiler_check_model(struct compiler *c, double model)
+{
+    return model == 3 || model == 4 || compiler_fail(c, "model", "is %g; known are 3 and 4", model);
+}
+
 static bool factor_depends_on_view(const struct compiler *c, int i)
 {
     return value_depends_on_view(c->material->factor[c->factors.at[i].index]);
@@ -199,20 +204,11 @@ static bool walk(struct compiler *c, const struct closure *closure)
     c->depth++;
     bool fine = true;
     switch (closure->kind) {
-    case CLOSURE_BSDF:
-        fine = compile_bsdf(c, closure);
-        break;
-    case CLOSURE_EMISSION:
-        fine = add_emission(c, closure->emission);
-        break;
-    case CLOSURE_MIX:
-        fine = walk_mix(c, closure);
-        break;
-    case CLOSURE_ADD:
-        fine = walk(c, closure->child[0]) && walk(c, closure->child[1]);
-        break;
-    case CLOSURE_NULL:
-        break;
+    case CLOSURE_BSDF: fine = compile_bsdf(c, closure); break;
+    case CLOSURE_EMISSION: fine = add_emission(c, closure->emission); break;
+    case CLOSURE_MIX: fine = walk_mix(c, closure); break;
+    case CLOSURE_ADD: fine = walk(c, closure->child[0]) && walk(c, closure->child[1]); break;
+    case CLOSURE_NULL: break;
     }
     c->depth--;
     return fine;

@@ -8,7 +8,7 @@
 #include "material/microfacet.h"
 
 enum { REFLECTED, TRANSMITTED, F0_TINT };
-enum { ALPHA, BRANCHES, ROUGHNESS, TINTED, HALVED };
+enum { ALPHA, BRANCHES, ROUGHNESS, TINTED, HALVED, MODEL_3 };
 
 /* Below this |n − 1| a rough interface bends less than a float can say about its half vectors. */
 #define INDEX_MATCHED 1e-4
@@ -31,12 +31,9 @@ static enum dielectric_branches branches(const struct lobe *lobe)
 static float reflection_chance(const struct lobe *lobe, float f)
 {
     switch (branches(lobe)) {
-    case BRANCHES_BOTH:
-        return f;
-    case BRANCHES_REFLECT:
-        return 1;
-    case BRANCHES_REFRACT:
-        return 0;
+    case BRANCHES_BOTH: return f;
+    case BRANCHES_REFLECT: return 1;
+    case BRANCHES_REFRACT: return 0;
     }
     return f;
 }
@@ -104,6 +101,9 @@ static bool smooth_scatter(const struct lobe *lobe, enum side side, struct vec3 
 
 /* --- Rough ----------------------------------------------------------------------------------------------- */
 
+/* Cycles before 4.0 refracts at least this little beyond the critical angle of the shading normal. */
+#define MODEL_3_FRESNEL_MAX 0.9999f
+
 /* A pair of directions and the microfacet between them. */
 struct facet {
     bool reflects;
@@ -131,18 +131,13 @@ static bool facet_between(struct vec3 a, struct vec3 b, float n, struct facet *f
     return true;
 }
 
-/* Compensation of what single scattering loses (Turquin 2019), toward the camera as Cycles has it: the whole lobe is divided by
-   its albedo E, less what repeated passes at Fss absorb: 1 + F_ms (1 − E)/E. */
+/* Toward the camera, as Cycles has it. */
 static float compensation(const struct lobe *lobe, float cosine, float lambda)
 {
     const struct dielectric *d = lobe->data;
-    const struct albedo_table *table = cosine > 0 ? d->entering : d->leaving;
-    if (!table)
-        return 1;
-    float e = albedo_at(table, lobe->parameter[ROUGHNESS], fabsf(cosine));
-    float mean = albedo_mean(table, lobe->parameter[ROUGHNESS]);
-    float f = transmit_color(lobe, lambda);
-    return 1 + f * mean / (1 - f * (1 - mean)) * (1 - e) / e;
+    return d->entering ? albedo_compensation(cosine > 0 ? d->entering : d->leaving,
+                                             lobe->parameter[ROUGHNESS], cosine, transmit_color(lobe, lambda))
+                       : 1;
 }
 
 /* Walter et al. 2007, eqs. 20 and 21; the n² of the camera's side is theirs. */
@@ -151,9 +146,13 @@ static float rough_evaluate(const struct lobe *lobe, struct vec3 to_light, struc
 {
     struct facet f;
     float n = inside_index(lobe, lambda), alpha = lobe->parameter[ALPHA];
-    if (!facet_between(to_light, to_camera, n, &f))
+    if (!facet_between(to_light, to_camera, n, &f) || (!f.reflects && f.fresnel >= 1))
         return 0;
-    float g = ggx_g2(ggx_lambda(to_light, alpha), ggx_lambda(to_camera, alpha), false);
+    bool model_3 = lobe->parameter[MODEL_3] != 0;
+    float g = ggx_g2(ggx_lambda(to_light, alpha), ggx_lambda(to_camera, alpha), model_3);
+    if (model_3) /* the draw's chance stays that of the facet: it is positive wherever this is */
+        f.fresnel =
+            fminf(fresnel_dielectric(fabsf(to_camera.z), to_camera.z > 0 ? n : 1 / n), MODEL_3_FRESNEL_MAX);
     float common = ggx_d(f.normal, alpha) * g * compensation(lobe, to_camera.z, lambda) / fabsf(to_camera.z);
     if (f.reflects)
         return reflected(lobe, f.fresnel, n, lambda) * common / 4;
@@ -223,30 +222,39 @@ const struct lobe_kind lobe_smooth_dielectric = {
     .scatter = smooth_scatter,
 };
 
-void dielectric_shade(struct lobe *lobe, float roughness, enum dielectric_branches which, float tinted,
-                      bool halved)
+void dielectric_shade(struct lobe *lobe, float roughness, struct dielectric_look look)
 {
     const struct dielectric *d = lobe->data;
     bool matched = !d->disperses && fabs(d->ior.term[0] - 1) < INDEX_MATCHED;
     lobe->parameter[ALPHA] = alpha_of_roughness(roughness);
-    lobe->parameter[BRANCHES] = (float)which;
+    lobe->parameter[BRANCHES] = (float)look.branches;
     lobe->parameter[ROUGHNESS] = clampf(roughness, 0, 1);
-    lobe->parameter[TINTED] = tinted;
-    lobe->parameter[HALVED] = halved ? 1 : 0;
+    lobe->parameter[TINTED] = look.tinted;
+    lobe->parameter[HALVED] = look.halved;
+    lobe->parameter[MODEL_3] = look.model_3;
     lobe->kind = roughness < SMOOTH_ROUGHNESS || matched ? &lobe_smooth_dielectric : &lobe_dielectric;
 }
 
-struct dielectric *dielectric_create(struct compiler *compiler, struct ior ior)
+struct dielectric *dielectric_create(struct compiler *compiler, struct ior ior, const struct closure *closure,
+                                     int roughness)
 {
     struct dielectric *d = calloc(1, sizeof *d);
     if (!d) {
         compiler_fail(compiler, "ior", "out of memory");
         return NULL;
     }
-    d->ior = ior;
+    d->ior = ior.kind == IOR_ABBE ? ior_to_cauchy(&ior) : ior; /* cheaper at each hit */
     d->disperses = !ior_is_constant(&ior);
-    if (ior.kind == IOR_ABBE)
-        d->ior = ior_to_cauchy(&ior); /* cheaper at each hit */
+    if (roughness >= 0) {
+        float middle = ior_eval(&ior, 550);
+        d->entering = albedo_table_create(ALBEDO_GLASS, middle, closure, roughness);
+        d->leaving = albedo_table_create(ALBEDO_GLASS, 1 / middle, closure, roughness);
+        if (!d->entering || !d->leaving) {
+            dielectric_destroy(d);
+            compiler_fail(compiler, "ior", "out of memory");
+            return NULL;
+        }
+    }
     return d;
 }
 
@@ -262,9 +270,12 @@ void dielectric_destroy(void *data)
 
 static bool shade(const struct lobe_plan *plan, const struct inputs *in, struct lobe *lobe)
 {
+    const struct closure *c = plan->closure;
     lobe->color[REFLECTED] = in->color[0];
     lobe->color[TRANSMITTED] = in->color[1];
-    dielectric_shade(lobe, in->value[0], (enum dielectric_branches)plan->closure->option[0], 0, false);
+    dielectric_shade(lobe, in->value[0],
+                     (struct dielectric_look){.branches = (enum dielectric_branches)c->option[0],
+                                              .model_3 = c->number[0] == 3 && !c->option[1]});
     return true;
 }
 
@@ -273,9 +284,9 @@ static bool compile(struct compiler *compiler, const struct closure *closure)
     struct ior ior = closure->ior;
     if (ior.kind == IOR_CONSTANT && ior.term[0] == 0)
         ior.term[0] = 1.5; /* left out */
-    if (!compiler_check_ior(compiler, &ior))
+    if (!compiler_check_ior(compiler, &ior) || !compiler_check_model(compiler, closure->number[0]))
         return false;
-    struct dielectric *d = dielectric_create(compiler, ior);
+    struct dielectric *d = dielectric_create(compiler, ior, closure, closure->option[1] ? 0 : -1);
     return d && compiler_add(compiler, closure, shade, d, dielectric_destroy);
 }
 
@@ -285,8 +296,10 @@ const struct bsdf_kind bsdf_dielectric = {
             .name = "dielectric",
             .color_names = {"reflect_color", "transmit_color"},
             .value_names = {"roughness"},
-            .option_names = {"lobes"},
-            .option_choices = {{"both", "reflect", "refract"}},
+            .option_names = {"lobes", "multi_scatter"},
+            .option_choices = {{"both", "reflect", "refract"}, {"false", "true"}},
+            .number_names = {"model"},
+            .number_defaults = {4},
             .takes_ior = true,
         },
     .color_defaults = {1, 1},

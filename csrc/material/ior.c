@@ -24,13 +24,9 @@ float ior_eval(const struct ior *ior, float lambda_nm)
     const double *t = ior->term;
     double l2 = (double)lambda_nm * lambda_nm * 1e-6, n2 = 1;
     switch (ior->kind) {
-    case IOR_CONSTANT:
-        return (float)t[0];
-    case IOR_ABBE:
-        cauchy = ior_to_cauchy(ior);
-        return ior_eval(&cauchy, lambda_nm);
-    case IOR_CAUCHY:
-        return (float)(t[0] + (t[1] + t[2] / l2) / l2);
+    case IOR_CONSTANT: return (float)t[0];
+    case IOR_ABBE: cauchy = ior_to_cauchy(ior); return ior_eval(&cauchy, lambda_nm);
+    case IOR_CAUCHY: return (float)(t[0] + (t[1] + t[2] / l2) / l2);
     case IOR_SELLMEIER:
         for (int i = 0; i < 6; i += 2)
             n2 += t[i] * l2 / (l2 - t[i + 1]);
@@ -43,14 +39,10 @@ bool ior_is_constant(const struct ior *ior)
 {
     const double *t = ior->term;
     switch (ior->kind) {
-    case IOR_CONSTANT:
-        return true;
-    case IOR_ABBE:
-        return t[0] == 1;
-    case IOR_CAUCHY:
-        return t[1] == 0 && t[2] == 0;
-    case IOR_SELLMEIER:
-        return false;
+    case IOR_CONSTANT: return true;
+    case IOR_ABBE: return t[0] == 1;
+    case IOR_CAUCHY: return t[1] == 0 && t[2] == 0;
+    case IOR_SELLMEIER: return false;
     }
     return true;
 }

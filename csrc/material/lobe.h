@@ -135,6 +135,7 @@ void compiler_warn(struct compiler *, const char *property, const char *format, 
     __attribute__((format(printf, 3, 4)));
 struct range compiler_range(const struct compiler *);
 bool compiler_check_ior(struct compiler *, const struct ior *);
+bool compiler_check_model(struct compiler *, double model); /* 3: as Cycles before 4.0; 4: since */
 
 /* The constant colour of a closure's input as a spectrum (borrowed), or NULL if it is textured or left out. */
 const struct spectrum *closure_spectrum(const struct closure *, int color);

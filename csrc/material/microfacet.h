@@ -26,6 +26,13 @@ static inline float fresnel_f0(float eta)
     return square((eta - 1) / (eta + 1));
 }
 
+/* ∫ 2 cos F d cos of a dielectric: the fits of Kulla & Conty 2017. */
+static inline float fresnel_mean(float eta)
+{
+    return eta < 1 ? 0.997118f + eta * (0.1014f - eta * (0.965241f + eta * 0.130607f))
+                   : (eta - 1) / (4.08567f + 1.00071f * eta);
+}
+
 /* Unpolarised reflectance of a conductor η + ik in vacuum, without approximation (Born & Wolf §14.2). */
 float fresnel_conductor(float cosine, float eta, float k);
 

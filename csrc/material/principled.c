@@ -4,8 +4,8 @@
 static bool compile(struct compiler *compiler, const struct closure *closure)
 {
     double model = closure->number[PRINCIPLED_MODEL], ior = closure->number[PRINCIPLED_IOR];
-    if (model != 3 && model != 4)
-        return compiler_fail(compiler, "model", "is %g; known are 3 and 4", model);
+    if (!compiler_check_model(compiler, model))
+        return false;
     if (!(ior >= 0.2 && ior <= 8))
         return compiler_fail(compiler, "ior", "is %g; it must be within 0.2 and 8", ior);
     return model == 3 ? principled3_compile(compiler, closure) : principled4_compile(compiler, closure);

@@ -28,22 +28,5 @@ static inline bool principled_can_stay_below(const struct closure *c, int value,
     float constant;
     return !closure_value_is_constant(c, value, &constant) || constant < bound;
 }
-/* Bounds of roughness for albedo tables: one point if it is constant. */
-static inline void principled_roughness(const struct closure *c, float *low, float *high)
-{
-    if (closure_value_is_constant(c, PRINCIPLED_ROUGHNESS, low))
-        *low = *high = saturate(*low);
-    else {
-        *low = 0;
-        *high = 1;
-    }
-}
-
-/* What single-scattering GGX loses, given back as Kulla & Conty 2017 colour it: the factor on a lobe of albedo e (mean e_mean over
-   the hemisphere) whose facets reflect f on average. */
-static inline float principled_compensation(float e, float e_mean, float f)
-{
-    return 1 + f * e_mean / (1 - f * (1 - e_mean)) * (1 - e) / e;
-}
 
 #endif

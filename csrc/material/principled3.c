@@ -61,28 +61,43 @@ static bool shade_diffuse(const struct lobe_plan *plan, const struct inputs *in,
 /* parameter[0] and [1] are those of microfacet.h. */
 enum { METALLIC = 2, F0, INVERSE_LUMINANCE, SPECULAR_ROUGHNESS };
 
-static float specular_reflectance(const struct lobe *lobe, float cosine, float lambda)
+/* At a share of the way from the colour at normal incidence to white. */
+static float specular_color(const struct lobe *lobe, float toward_white, float lambda)
 {
     float base = spectral_value_eval(&lobe->color[PRINCIPLED_BASE], lambda);
     float tint = spectral_value_eval(&lobe->color[PRINCIPLED_TINT], lambda);
-    float f0 = lobe->parameter[F0], metallic = lobe->parameter[METALLIC], root = sqrtf(f0);
-    float dielectric = f0 * (1 - tint + tint * base * lobe->parameter[INVERSE_LUMINANCE]);
-    float color = saturate(lerpf(dielectric, base, metallic));
-    float toward_white = (fresnel_dielectric(cosine, (1 + root) / (1 - root)) - f0) / (1 - f0);
+    float dielectric = lobe->parameter[F0] * (1 - tint + tint * base * lobe->parameter[INVERSE_LUMINANCE]);
+    float color = saturate(lerpf(dielectric, base, lobe->parameter[METALLIC]));
     return lerpf(color, 1, saturate(toward_white));
+}
+
+static float specular_index(const struct lobe *lobe)
+{
+    float root = sqrtf(lobe->parameter[F0]);
+    return (1 + root) / (1 - root);
+}
+
+static float specular_reflectance(const struct lobe *lobe, float cosine, float lambda)
+{
+    float f0 = lobe->parameter[F0];
+    return specular_color(lobe, (fresnel_dielectric(cosine, specular_index(lobe)) - f0) / (1 - f0), lambda);
+}
+
+/* Over all facets. */
+static float specular_mean(const struct lobe *lobe, float lambda)
+{
+    float f0 = lobe->parameter[F0];
+    return specular_color(lobe, (fresnel_mean(specular_index(lobe)) - f0) / (1 - f0), lambda);
 }
 
 static float specular_evaluate(const struct lobe *lobe, struct vec3 to_light, struct vec3 to_camera,
                                float lambda)
 {
-    const struct albedo_table *table = lobe->data;
     float value = microfacet_evaluate(lobe, to_light, to_camera, lambda),
           roughness = lobe->parameter[SPECULAR_ROUGHNESS];
-    if (value == 0 || !table || roughness <= SINGLE_SCATTER_ROUGHNESS)
+    if (value == 0 || !lobe->data || roughness <= SINGLE_SCATTER_ROUGHNESS)
         return value;
-    float facets = specular_reflectance(lobe, 1, lambda);
-    return value * principled_compensation(albedo_at(table, roughness, fabsf(to_camera.z)),
-                                           albedo_mean(table, roughness), facets);
+    return value * albedo_compensation(lobe->data, roughness, to_camera.z, specular_mean(lobe, lambda));
 }
 
 static const struct lobe_kind lobe_specular = {
@@ -150,10 +165,8 @@ static void table_destroy(void *data)
 static bool compile_specular(struct compiler *compiler, const struct closure *closure)
 {
     struct albedo_table *table = NULL;
-    float low, high;
-    principled_roughness(closure, &low, &high);
-    if (closure->option[PRINCIPLED_MULTI_SCATTER] && high > SINGLE_SCATTER_ROUGHNESS) {
-        table = albedo_table_create(ALBEDO_WHITE, 1, low, high);
+    if (closure->option[PRINCIPLED_MULTI_SCATTER]) {
+        table = albedo_table_create(ALBEDO_WHITE, 1, closure, PRINCIPLED_ROUGHNESS);
         if (!table)
             return compiler_fail(compiler, "", "out of memory");
     }
@@ -175,14 +188,17 @@ static bool shade_glass(const struct lobe_plan *plan, const struct inputs *in, s
     lobe->color[2] = in->color[PRINCIPLED_BASE];
     /* The tint of 3.x is a number; its spectrum is flat. */
     float tint = tinted ? saturate(spectral_value_eval(&in->color[PRINCIPLED_TINT], 550)) : 0;
-    dielectric_shade(lobe, in->value[PRINCIPLED_ROUGHNESS], BRANCHES_BOTH, tint, false);
+    dielectric_shade(lobe, in->value[PRINCIPLED_ROUGHNESS],
+                     (struct dielectric_look){.tinted = tint,
+                                              .model_3 = !plan->closure->option[PRINCIPLED_MULTI_SCATTER]});
     return lobe->weight > 0;
 }
 
 static bool compile_glass(struct compiler *compiler, const struct closure *closure)
 {
-    struct dielectric *d =
-        dielectric_create(compiler, (struct ior){IOR_CONSTANT, {closure->number[PRINCIPLED_IOR]}});
+    struct ior ior = {IOR_CONSTANT, {closure->number[PRINCIPLED_IOR]}};
+    struct dielectric *d = dielectric_create(
+        compiler, ior, closure, closure->option[PRINCIPLED_MULTI_SCATTER] ? PRINCIPLED_ROUGHNESS : -1);
     return d && compiler_add(compiler, closure, shade_glass, d, dielectric_destroy);
 }
 

@@ -27,12 +27,9 @@ static void tables_destroy(void *data)
     free(t);
 }
 
-static float compensation(const struct tables *t, float roughness, float cosine, float facets)
+static const struct tables *tables_of(const struct lobe *lobe)
 {
-    if (!t->white)
-        return 1;
-    return principled_compensation(albedo_at(t->white, roughness, fabsf(cosine)),
-                                   albedo_mean(t->white, roughness), facets);
+    return lobe->data;
 }
 
 /* parameter[0] and [1] are those of microfacet.h. */
@@ -64,7 +61,7 @@ static float metal_evaluate(const struct lobe *lobe, struct vec3 to_light, struc
     float tint = spectral_value_eval(&lobe->color[PRINCIPLED_TINT], lambda);
     /* ∫ 2 cos F d cos of F82-tint. */
     float mean = saturate(lerpf(f0, 1, 1.0f / 21) - f82_dip(f0, tint) / 126);
-    return value * compensation(lobe->data, lobe->parameter[ROUGHNESS], to_camera.z, mean);
+    return value * albedo_compensation(tables_of(lobe)->white, lobe->parameter[ROUGHNESS], to_camera.z, mean);
 }
 
 static const struct lobe_kind lobe_metal = {
@@ -128,12 +125,10 @@ static float layer_reflectance(const struct lobe *lobe, float cosine, float lamb
     return lerpf(layer_f0(lobe, lambda), 1, saturate((f - f0) / (1 - f0)));
 }
 
-/* Mean reflectance of the layer's facets; of the dielectric by the fits of Kulla & Conty 2017. */
+/* Mean reflectance of the layer's facets. */
 static float layer_facets(const struct lobe *lobe, float lambda)
 {
-    float eta = lobe->parameter[ETA], f0 = lobe->parameter[F0];
-    float mean = eta < 1 ? 0.997118f + eta * (0.1014f - eta * (0.965241f + eta * 0.130607f))
-                         : (eta - 1) / (4.08567f + 1.00071f * eta);
+    float f0 = lobe->parameter[F0], mean = fresnel_mean(lobe->parameter[ETA]);
     return lerpf(layer_f0(lobe, lambda), 1, saturate((mean - f0) / (1 - f0)));
 }
 
@@ -142,8 +137,8 @@ static float layer_evaluate(const struct lobe *lobe, struct vec3 to_light, struc
 {
     float value = microfacet_evaluate(lobe, to_light, to_camera, lambda);
     return value == 0 ? 0
-                      : value * compensation(lobe->data, lobe->parameter[ROUGHNESS], to_camera.z,
-                                             layer_facets(lobe, lambda));
+                      : value * albedo_compensation(tables_of(lobe)->white, lobe->parameter[ROUGHNESS],
+                                                    to_camera.z, layer_facets(lobe, lambda));
 }
 
 static const struct lobe_kind lobe_layer = {
@@ -184,7 +179,7 @@ static bool shade_specular(const struct lobe_plan *plan, const struct inputs *in
 
 static float fresnel_share(const struct lobe *lobe, float cosine)
 {
-    const struct tables *t = lobe->data;
+    const struct tables *t = tables_of(lobe);
     float roughness = lobe->parameter[ROUGHNESS];
     if (t->share_count == 1)
         return albedo_at(t->share[0], roughness, cosine);
@@ -198,14 +193,14 @@ static float fresnel_share(const struct lobe *lobe, float cosine)
 /* What the layer's albedo leaves, seen along a cosine. */
 static float base_share(const struct lobe *lobe, float cosine, float lambda)
 {
-    const struct tables *t = lobe->data;
+    const struct tables *t = tables_of(lobe);
     float roughness = lobe->parameter[ROUGHNESS];
     if (lobe->parameter[ETA] == 1)
         return 1;
     float albedo = lerpf(layer_f0(lobe, lambda), 1, fresnel_share(lobe, cosine));
     if (t->white) /* E·compensation: 1 for facets that absorb nothing */
         albedo *= albedo_at(t->white, roughness, cosine) *
-                  compensation(t, roughness, cosine, layer_facets(lobe, lambda));
+                  albedo_compensation(t->white, roughness, cosine, layer_facets(lobe, lambda));
     return saturate(1 - albedo);
 }
 
@@ -248,37 +243,27 @@ static bool shade_glass(const struct lobe_plan *plan, const struct inputs *in, s
     lobe->color[0] = spectral_flat(1);
     lobe->color[1] = in->color[PRINCIPLED_BASE];
     lobe->color[2] = in->color[PRINCIPLED_TINT];
-    dielectric_shade(lobe, in->value[PRINCIPLED_ROUGHNESS], BRANCHES_BOTH, 1, true);
+    dielectric_shade(lobe, in->value[PRINCIPLED_ROUGHNESS],
+                     (struct dielectric_look){.tinted = 1, .halved = true});
     return lobe->weight > 0;
 }
 
 static bool compile_glass(struct compiler *compiler, const struct closure *closure)
 {
-    float low, high, ior = (float)closure->number[PRINCIPLED_IOR];
-    struct dielectric *d = dielectric_create(compiler, (struct ior){IOR_CONSTANT, {ior}});
-    if (!d)
-        return false;
-    if (closure->option[PRINCIPLED_MULTI_SCATTER]) {
-        principled_roughness(closure, &low, &high);
-        d->entering = albedo_table_create(ALBEDO_GLASS, ior, low, high);
-        d->leaving = albedo_table_create(ALBEDO_GLASS, 1 / ior, low, high);
-        if (!d->entering || !d->leaving) {
-            dielectric_destroy(d);
-            return compiler_fail(compiler, "", "out of memory");
-        }
-    }
-    return compiler_add(compiler, closure, shade_glass, d, dielectric_destroy);
+    struct ior ior = {IOR_CONSTANT, {closure->number[PRINCIPLED_IOR]}};
+    struct dielectric *d = dielectric_create(
+        compiler, ior, closure, closure->option[PRINCIPLED_MULTI_SCATTER] ? PRINCIPLED_ROUGHNESS : -1);
+    return d && compiler_add(compiler, closure, shade_glass, d, dielectric_destroy);
 }
 
 /* --- Compiling ------------------------------------------------------------------------------------------- */
 
 static struct tables *tables_create(const struct closure *closure)
 {
-    float low, high, level, ior = (float)closure->number[PRINCIPLED_IOR];
+    float level, ior = (float)closure->number[PRINCIPLED_IOR];
     struct tables *t = calloc(1, sizeof *t);
     if (!t)
         return NULL;
-    principled_roughness(closure, &low, &high);
     bool fixed = closure_value_is_constant(closure, PRINCIPLED_SPECULAR, &level), made = true;
     t->low = fixed ? powf(clampf(fresnel_f0(ior) * 2 * level, 1e-6f, 0.99f), 0.25f) : 0.05f;
     t->high = fixed ? t->low : 0.99f;
@@ -286,11 +271,12 @@ static struct tables *tables_create(const struct closure *closure)
     for (int i = 0; i < t->share_count; i++) {
         float z = fixed ? t->low : lerpf(t->low, t->high, (float)i / (SHARE_TABLES - 1)), root = z * z;
         float eta = (1 + root) / (1 - root);
-        t->share[i] = albedo_table_create(ALBEDO_FRESNEL_SHARE, ior < 1 ? 1 / eta : eta, low, high);
+        t->share[i] =
+            albedo_table_create(ALBEDO_FRESNEL_SHARE, ior < 1 ? 1 / eta : eta, closure, PRINCIPLED_ROUGHNESS);
         made = made && t->share[i];
     }
     if (closure->option[PRINCIPLED_MULTI_SCATTER])
-        made = (t->white = albedo_table_create(ALBEDO_WHITE, 1, low, high)) && made;
+        made = (t->white = albedo_table_create(ALBEDO_WHITE, 1, closure, PRINCIPLED_ROUGHNESS)) && made;
     if (!made) {
         tables_destroy(t);
         return NULL;

@@ -136,16 +136,12 @@ static void register_lobe(struct surface *s)
 {
     uint8_t index = s->lobe_count++;
     switch (s->lobe[index].kind->nature) {
-    case LOBE_FINITE:
-        s->has_elastic = s->connects = true;
-        break;
+    case LOBE_FINITE: s->has_elastic = s->connects = true; break;
     case LOBE_FLUORESCENT:
         s->fluorescent[s->fluorescent_count++] = index;
         s->connects = true;
         break;
-    case LOBE_DELTA:
-        s->specular[s->specular_count++] = index;
-        break;
+    case LOBE_DELTA: s->specular[s->specular_count++] = index; break;
     }
 }
 

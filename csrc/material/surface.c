@@ -375,15 +375,9 @@ bool surface_sample(const struct surface *s, enum side side, struct vec3 arrivin
         return false;
     bool drawn = false;
     switch (s->lobe[index].kind->nature) {
-    case LOBE_FINITE:
-        drawn = draw_elastic(&d, &s->lobe[index], out);
-        break;
-    case LOBE_FLUORESCENT:
-        drawn = draw_fluorescent(&d, index, out);
-        break;
-    case LOBE_DELTA:
-        drawn = draw_delta(&d, index, out);
-        break;
+    case LOBE_FINITE: drawn = draw_elastic(&d, &s->lobe[index], out); break;
+    case LOBE_FLUORESCENT: drawn = draw_fluorescent(&d, index, out); break;
+    case LOBE_DELTA: drawn = draw_delta(&d, index, out); break;
     }
     return drawn && out->pdf > 0;
 }
@@ -425,9 +419,11 @@ bool surface_step_again(const struct surface *s, enum side side, enum label labe
         out->pdf_other = surface_pdf_elastic(s, other, leaving, arriving, lambda_arriving);
         return true;
     case LABEL_FLUORESCENT:
-        out->value = surface_fluorescent(s, which, to_light, to_camera, camera ? lambda_leaving : lambda_arriving,
-                                         camera ? lambda_arriving : lambda_leaving);
-        out->pdf = surface_pdf_fluorescent(s, side, which, arriving, leaving, lambda_arriving, lambda_leaving);
+        out->value =
+            surface_fluorescent(s, which, to_light, to_camera, camera ? lambda_leaving : lambda_arriving,
+                                camera ? lambda_arriving : lambda_leaving);
+        out->pdf =
+            surface_pdf_fluorescent(s, side, which, arriving, leaving, lambda_arriving, lambda_leaving);
         out->pdf_other =
             surface_pdf_fluorescent(s, other, which, leaving, arriving, lambda_leaving, lambda_arriving);
         return true;

@@ -19,15 +19,13 @@ static float texture_value(const struct texture *t, const struct shading_point *
 static float view_function(enum view_function function, float parameter, float cosine, bool back)
 {
     switch (function) {
-    case VIEW_FRESNEL:
-        return fresnel_dielectric(fabsf(cosine), back ? 1 / parameter : parameter);
+    case VIEW_FRESNEL: return fresnel_dielectric(fabsf(cosine), back ? 1 / parameter : parameter);
     case VIEW_FACING: {
         float blend = clampf(parameter, 0, 1 - 1e-5f);
         float exponent = blend < 0.5f ? 2 * blend : 0.5f / (1 - blend);
         return 1 - (exponent == 1 ? fabsf(cosine) : powf(fabsf(cosine), exponent));
     }
-    case VIEW_BACKFACING:
-        return back ? 1 : 0;
+    case VIEW_BACKFACING: return back ? 1 : 0;
     }
     return 0;
 }
@@ -49,21 +47,13 @@ bool value_by_view(const struct value_node *v, const struct shading_point *p, st
 {
     struct view_factor x = constant(0), y = constant(0);
     switch (v->kind) {
-    case VALUE_CONSTANT:
-        *out = constant(v->constant);
-        return true;
-    case VALUE_TEXTURE:
-        *out = constant(texture_value(v->texture, p));
-        return true;
+    case VALUE_CONSTANT: *out = constant(v->constant); return true;
+    case VALUE_TEXTURE: *out = constant(texture_value(v->texture, p)); return true;
     case VALUE_FRESNEL:
         *out = (struct view_factor){VIEW_FRESNEL, 0, 1, fmaxf(v->constant, 1e-5f)};
         return true;
-    case VALUE_FACING:
-        *out = (struct view_factor){VIEW_FACING, 0, 1, v->constant};
-        return true;
-    case VALUE_BACKFACING:
-        *out = (struct view_factor){VIEW_BACKFACING, 0, 1, 0};
-        return true;
+    case VALUE_FACING: *out = (struct view_factor){VIEW_FACING, 0, 1, v->constant}; return true;
+    case VALUE_BACKFACING: *out = (struct view_factor){VIEW_BACKFACING, 0, 1, 0}; return true;
     case VALUE_SCALE_OFFSET:
         if (!value_by_view(v->child[0], p, &x))
             return false;
@@ -85,20 +75,13 @@ float value_eval(const struct value_node *v, const struct shading_point *p)
     float cosine = fminf(1, fabsf(dot(p->viewing, p->ns)));
     bool back = dot(p->viewing, p->hit->ng) < 0;
     switch (v->kind) {
-    case VALUE_CONSTANT:
-        return v->constant;
-    case VALUE_TEXTURE:
-        return texture_value(v->texture, p);
-    case VALUE_SCALE_OFFSET:
-        return value_eval(v->child[0], p) * v->scale + v->offset;
-    case VALUE_FRESNEL:
-        return view_function(VIEW_FRESNEL, fmaxf(v->constant, 1e-5f), cosine, back);
-    case VALUE_FACING:
-        return view_function(VIEW_FACING, v->constant, cosine, back);
-    case VALUE_BACKFACING:
-        return back ? 1 : 0;
-    case VALUE_PRODUCT:
-        return value_eval(v->child[0], p) * value_eval(v->child[1], p);
+    case VALUE_CONSTANT: return v->constant;
+    case VALUE_TEXTURE: return texture_value(v->texture, p);
+    case VALUE_SCALE_OFFSET: return value_eval(v->child[0], p) * v->scale + v->offset;
+    case VALUE_FRESNEL: return view_function(VIEW_FRESNEL, fmaxf(v->constant, 1e-5f), cosine, back);
+    case VALUE_FACING: return view_function(VIEW_FACING, v->constant, cosine, back);
+    case VALUE_BACKFACING: return back ? 1 : 0;
+    case VALUE_PRODUCT: return value_eval(v->child[0], p) * value_eval(v->child[1], p);
     }
     return 0;
 }
@@ -107,16 +90,12 @@ bool value_depends_on_view(const struct value_node *v)
 {
     switch (v->kind) {
     case VALUE_CONSTANT:
-    case VALUE_TEXTURE:
-        return false;
+    case VALUE_TEXTURE: return false;
     case VALUE_FRESNEL:
     case VALUE_FACING:
-    case VALUE_BACKFACING:
-        return true;
-    case VALUE_SCALE_OFFSET:
-        return value_depends_on_view(v->child[0]);
-    case VALUE_PRODUCT:
-        return value_depends_on_view(v->child[0]) || value_depends_on_view(v->child[1]);
+    case VALUE_BACKFACING: return true;
+    case VALUE_SCALE_OFFSET: return value_depends_on_view(v->child[0]);
+    case VALUE_PRODUCT: return value_depends_on_view(v->child[0]) || value_depends_on_view(v->child[1]);
     }
     return false;
 }
@@ -124,8 +103,7 @@ bool value_depends_on_view(const struct value_node *v)
 bool value_is_affine_in_view(const struct value_node *v)
 {
     switch (v->kind) {
-    case VALUE_SCALE_OFFSET:
-        return value_is_affine_in_view(v->child[0]);
+    case VALUE_SCALE_OFFSET: return value_is_affine_in_view(v->child[0]);
     case VALUE_PRODUCT:
         return value_is_affine_in_view(v->child[0]) && value_is_affine_in_view(v->child[1]) &&
                !(value_depends_on_view(v->child[0]) && value_depends_on_view(v->child[1]));
@@ -133,8 +111,7 @@ bool value_is_affine_in_view(const struct value_node *v)
     case VALUE_TEXTURE:
     case VALUE_FRESNEL:
     case VALUE_FACING:
-    case VALUE_BACKFACING:
-        return true;
+    case VALUE_BACKFACING: return true;
     }
     return false;
 }
@@ -142,20 +119,13 @@ bool value_is_affine_in_view(const struct value_node *v)
 float value_mean(const struct value_node *v, const float luminance[3])
 {
     switch (v->kind) {
-    case VALUE_CONSTANT:
-        return v->constant;
-    case VALUE_TEXTURE:
-        return texture_channel_value(v->texture, v->texture->image->mean, luminance);
-    case VALUE_SCALE_OFFSET:
-        return value_mean(v->child[0], luminance) * v->scale + v->offset;
-    case VALUE_FRESNEL:
-        return view_function(VIEW_FRESNEL, fmaxf(v->constant, 1e-5f), 1, false);
-    case VALUE_FACING:
-        return view_function(VIEW_FACING, v->constant, 1, false);
-    case VALUE_BACKFACING:
-        return 0;
-    case VALUE_PRODUCT:
-        return value_mean(v->child[0], luminance) * value_mean(v->child[1], luminance);
+    case VALUE_CONSTANT: return v->constant;
+    case VALUE_TEXTURE: return texture_channel_value(v->texture, v->texture->image->mean, luminance);
+    case VALUE_SCALE_OFFSET: return value_mean(v->child[0], luminance) * v->scale + v->offset;
+    case VALUE_FRESNEL: return view_function(VIEW_FRESNEL, fmaxf(v->constant, 1e-5f), 1, false);
+    case VALUE_FACING: return view_function(VIEW_FACING, v->constant, 1, false);
+    case VALUE_BACKFACING: return 0;
+    case VALUE_PRODUCT: return value_mean(v->child[0], luminance) * value_mean(v->child[1], luminance);
     }
     return 0;
 }
@@ -171,12 +141,8 @@ void value_bounds(const struct value_node *v, float *low, float *high)
 {
     float a[2] = {0, 0}, b[2] = {0, 0};
     switch (v->kind) {
-    case VALUE_CONSTANT:
-        *low = *high = v->constant;
-        return;
-    case VALUE_TEXTURE:
-        texture_bounds(v->texture, low, high);
-        return;
+    case VALUE_CONSTANT: *low = *high = v->constant; return;
+    case VALUE_TEXTURE: texture_bounds(v->texture, low, high); return;
     case VALUE_FRESNEL:
     case VALUE_FACING:
     case VALUE_BACKFACING:
