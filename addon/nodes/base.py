@@ -106,6 +106,14 @@ class Inside:
             self._give(socket, value)
         return node.outputs[0]
 
+    def surface(self, bl_idname, **inputs):
+        """The approximation's BSDF, with the group's normal; becomes the result."""
+        node = self.node(bl_idname)
+        for identifier, value in inputs.items():
+            self._give(self.socket(node, identifier), value)
+        self.link(self.given("Normal"), self.socket(node, "Normal"))
+        self.result(node.outputs[0])
+
     def rgb(self, color):
         node = self.node("ShaderNodeRGB")
         node.outputs[0].default_value = (*color, 1.0)

@@ -71,10 +71,9 @@ class Conductor(NodeKind):
 
     def build(self, inside, settings):
         glossy = getattr(bpy.types, "ShaderNodeBsdfGlossy", bpy.types.ShaderNodeBsdfAnisotropic)
-        bsdf = inside.node(glossy.__name__)
-        inside.socket(bsdf, "Color").default_value = (*color_of(settings.metal), 1.0)
-        inside.link(inside.given("Roughness"), inside.socket(bsdf, "Roughness"))
-        inside.result(bsdf.outputs[0])
+        inside.surface(
+            glossy.__name__, Color=color_of(settings.metal), Roughness=inside.given("Roughness")
+        )
 
 
 def color_of(metal):

@@ -130,14 +130,13 @@ class DispersiveGlass(NodeKind):
                 socket.hide = settings.model != 'ABBE'
 
     def build(self, inside, settings):
-        bsdf = inside.node("ShaderNodeBsdfGlass")
-        inside.link(inside.given("Color"), inside.socket(bsdf, "Color"))
-        inside.link(inside.given("Roughness"), inside.socket(bsdf, "Roughness"))
-        if settings.model == 'ABBE':
-            inside.link(inside.given("IOR"), inside.socket(bsdf, "IOR"))
-        else:
-            inside.socket(bsdf, "IOR").default_value = index_at_d(settings)
-        inside.result(bsdf.outputs[0])
+        is_abbe = settings.model == 'ABBE'
+        inside.surface(
+            "ShaderNodeBsdfGlass",
+            Color=inside.given("Color"),
+            Roughness=inside.given("Roughness"),
+            IOR=inside.given("IOR") if is_abbe else index_at_d(settings),
+        )
 
     def draw(self, layout, settings, node):
         layout.prop(settings, "model")

@@ -123,9 +123,7 @@ class Fluorescent(NodeKind):
         )
         glow = inside.mix('MULTIPLY', 1.0, emission, gain)
         total = inside.mix('DARKEN', 1.0, inside.mix('ADD', 1.0, elastic, glow), (1.0, 1.0, 1.0))
-        bsdf = inside.node("ShaderNodeBsdfDiffuse")
-        inside.link(total, inside.socket(bsdf, "Color"))
-        inside.result(bsdf.outputs[0])
+        inside.surface("ShaderNodeBsdfDiffuse", Color=total)
 
     def _dye(self, inside, settings):
         if settings.dye == CUSTOM:
