@@ -29,7 +29,7 @@ MATERIALS = {
     "fluorescent": exact.Material(
         reflectance=exact.Table([300, 480, 560, 830], [0.25, 0.35, 0.5, 0.4]),
         absorption=exact.Table([300, 345, 390, 440, 520, 540], [0.2, 0.9, 0.85, 0.5, 0.15, 0]),
-        emission=exact.Table([490, 515, 535, 585], [0, 0.8, 1, 0]),
+        emission=exact.Table([500, 515, 545, 580], [0, 0.9, 1, 0]),
         concentration=0.9,
         quantum_yield=0.85,
     ),
