@@ -281,6 +281,72 @@ static void mirrored_uvs_are_told_under_mirroring_transforms(void **state)
     }
 }
 
+/* With u running backwards the tangent turns round, and ns × tangent with it. */
+static void mirrored_uvs_turn_the_tangent(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    struct mesh_input mesh = quad();
+    mesh.uv = quad_layers + 1;
+    mesh.uv_count = 1;
+    assert_true(add_mesh(scene, mesh));
+    scenes_instance(scene, "quad", "quad", "", &scenes_identity, 1);
+    scenes_commit(scene);
+    struct hit hit;
+    const struct material *material;
+    for (int i = 0; i < 2; i++) { /* in both triangles */
+        assert_true(look_down(scene, i ? 1.5f : 0.5f, 0.5f, &hit, &material));
+        assert_float_equal(hit.tangent.x, -1, 1e-6);
+        assert_true(hit.mirrored_uv);
+    }
+    scene_destroy(scene);
+}
+
+/* One mesh, two emissive materials and a grey one, placed twice: a light for each object and emissive slot. */
+static void each_emissive_slot_of_each_object_is_a_light(void **state)
+{
+    (void)state;
+    static const char *const materials[3] = {"dim", "grey", "bright"};
+    static const uint32_t slots[2] = {0, 2};
+    struct transform transforms[2] = {scenes_identity, scenes_identity};
+    transforms[1].m[3] = 10;
+    struct scene *scene = scene_create();
+    struct mesh_input mesh = quad();
+    mesh.material_index = slots;
+    assert_true(add_mesh(scene, mesh));
+    scenes_material(scene, "dim", scenes_emitter(1, false));
+    scenes_material(scene, "grey", scenes_grey());
+    scenes_material(scene, "bright", scenes_emitter(3, false));
+    struct instances_input in = {.name = "quad",
+                                 .mesh = "quad",
+                                 .materials = materials,
+                                 .material_count = 3,
+                                 .transforms = transforms->m,
+                                 .transform_count = 2,
+                                 .visible = scenes_visible};
+    assert_true(scene_add_instances(scene, &in, NULL));
+    scenes_commit(scene);
+    assert_int_equal(scene_light_count(scene), 4);
+    bool seen_light[4] = {false};
+    for (int i = 0; i < 4; i++) {
+        struct hit hit;
+        const struct material *material;
+        struct light_point point;
+        bool bright = i & 1;
+        assert_true(look_down(scene, (float)(i / 2) * 10 + (bright ? 0.2f : 1.8f), 0.5f, &hit, &material));
+        assert_in_range(hit.light, 0, 3);
+        assert_false(seen_light[hit.light]);
+        seen_light[hit.light] = true;
+        scene_light_point_at(scene, &hit, &point);
+        assert_float_equal(scene_light_emission(scene, &point, vec3(0, 0, 1), 500), bright ? 3 : 1, 1e-6);
+        assert_true(scene_light_emission(scene, &point, vec3(0, 0, -1), 500) == 0);
+        assert_float_equal(scene_pdf_light(scene, &point), bright ? 3 / 8.0 : 1 / 8.0,
+                           1e-6); /* of area 1 each */
+        assert_true(point.on_mesh && scene_light_seen_by_camera(scene, &point));
+    }
+    scene_destroy(scene);
+}
+
 #define SEGMENTS 16
 
 /* A cylinder of SEGMENTS faces about z with smooth normals, u about the axis, v along it. */
@@ -420,6 +486,8 @@ int main(void)
         cmocka_unit_test(hits_carry_coordinates_normals_and_tangent),
         cmocka_unit_test(mirrored_uvs_are_told_under_mirroring_transforms),
         cmocka_unit_test(tangents_of_smooth_meshes_follow_the_smooth_surface),
+        cmocka_unit_test(mirrored_uvs_turn_the_tangent),
+        cmocka_unit_test(each_emissive_slot_of_each_object_is_a_light),
         cmocka_unit_test(faces_have_their_own_materials),
         cmocka_unit_test(textures_look_up_the_layer_that_they_name),
     };
