@@ -287,6 +287,29 @@ static void transparent_panes_multiply_their_transmittances(void **state)
     scene_destroy(scene);
 }
 
+/* Transparent where it is faced, opaque where grazed: the transmittance of a pane of `facing` is the cosine. */
+static void shadow_rays_see_panes_from_their_own_direction(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    struct vec3 pane[3] = {vec3(-9, -9, 0), vec3(9, -9, 0), vec3(0, 9, 0)};
+    struct closure *mix = calloc(1, sizeof *mix);
+    struct value_node *facing = calloc(1, sizeof *facing);
+    *facing = (struct value_node){.kind = VALUE_FACING, .constant = 0.5f, .scale = 1};
+    *mix = (struct closure){
+        .kind = CLOSURE_MIX, .child = {scenes_transparent(1), scenes_grey()}, .factor = facing};
+    scenes_mesh(scene, "pane", pane, 1);
+    scenes_material(scene, "pane", mix);
+    scenes_instance(scene, "pane", "pane", "pane", &scenes_identity, 1);
+    scenes_commit(scene);
+    for (float x = 0; x < 3; x += 0.5f) {
+        float cosine = 2 / sqrtf(4 + 4 * x * x);
+        assert_float_equal(scene_visibility(scene, vec3(-x, 0, -1), vec3(x, 0, 1), 500), cosine, 1e-5);
+        assert_float_equal(scene_visibility(scene, vec3(x, 0, 1), vec3(-x, 0, -1), 500), cosine, 1e-5);
+    }
+    scene_destroy(scene);
+}
+
 static void visibility_flags_hide_objects_from_their_kind_of_ray_alone(void **state)
 {
     (void)state;
@@ -324,6 +347,7 @@ int main(void)
         cmocka_unit_test(offset_rays_never_hit_their_own_triangle),
         cmocka_unit_test(visibility_agrees_with_brute_force),
         cmocka_unit_test(transparent_panes_multiply_their_transmittances),
+        cmocka_unit_test(shadow_rays_see_panes_from_their_own_direction),
         cmocka_unit_test(visibility_flags_hide_objects_from_their_kind_of_ray_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
