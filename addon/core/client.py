@@ -17,6 +17,7 @@ MEMORY_BYTES = 256 << 20
 SHARED_FROM = 4096  # smaller blobs are cheaper inside the frame
 READ_BYTES = 1 << 16
 END_SECONDS = 2.0
+WAIT_SECONDS = 0.05  # between two calls of on_wait
 
 Event = collections.namedtuple("Event", "name members")
 
@@ -29,6 +30,7 @@ class Client:
     """A running core. `film_bytes` is the size of the picture it shall fill (see `film`)."""
 
     def __init__(self, preference="", film_bytes=0, low_priority=False, memory_bytes=MEMORY_BYTES):
+        self.on_wait = None  # called while a busy core makes us wait; may raise to give up
         self._memory = self._film = self._process = None
         self._waiting = collections.deque()  # events that nobody has read yet
         self._received = bytearray()
@@ -114,7 +116,7 @@ class Client:
         """Until the core has applied frame `number` (default: all that were sent)."""
         number = self._sent - 1 if number is None else number
         while self._done <= number:
-            self._poll(self._out, None, 1.0)
+            self._poll(self._out, None, WAIT_SECONDS)
             for event in self._waiting:
                 if event.name == "error":
                     raise CoreError(error_line(event.members))
@@ -171,7 +173,7 @@ class Client:
     def _write(self, data):
         view = memoryview(data)
         while len(view):
-            ready = self._poll(self._out, self._in, 1.0)
+            ready = self._poll(self._out, self._in, WAIT_SECONDS)
             if self._in in ready:
                 try:
                     view = view[os.write(self._in, view[:1 << 20]):]
@@ -189,6 +191,8 @@ class Client:
         ready = {fd for fd, _ in poll.poll(seconds * 1000)}
         if readable in ready:
             self._read()
+        elif not ready and self.on_wait:
+            self.on_wait()
         return ready
 
     def _read(self):

@@ -11,6 +11,7 @@ from ..core.client import CoreError
 from ..core.find import CoreNotFound
 from ..core.stream import StreamError
 from ..export import StrictError, camera
+from ..ui import report
 from .session import Session
 
 SHOW_SECONDS = 0.25  # between two pictures shown
@@ -53,6 +54,8 @@ def _render(engine, depsgraph):
     engine.update_stats("", "Exporting the scene")
     with Session(depsgraph, shown_camera.evaluated_get(depsgraph), size, rectangle, engine.is_preview) as session:
         session.export(lambda: _check(engine))
+        if not engine.is_preview:
+            report.keep(session.replaced)
         _tell_warnings(engine, session)
         picture = Picture(engine, session, depsgraph.view_layer.name)
         try:
@@ -100,7 +103,7 @@ class Picture:
         self.combined = self.result.layers[0].passes["Combined"]
         if (self.result.resolution_x, self.result.resolution_y) != (width, height):
             found = self.result.resolution_x, self.result.resolution_y
-            self.close()
+            engine.end_result(self.result)
             raise CoreError("border: the picture is %d × %d, Blender's %d × %d" % (width, height, *found))
         self.is_fresh = False
         self.next_show = 0.0
@@ -123,6 +126,9 @@ class Picture:
         self.is_fresh = False
 
     def close(self):
+        """Also after a failure: what the film holds then is shown, and kept."""
+        if self.is_fresh:
+            self.show()
         self.engine.end_result(self.result)
 
 
@@ -150,13 +156,12 @@ class Progress:
 
 
 def _show_progress(engine, members):
-    sample, samples = members.get("sample", 0), max(1, members.get("samples", 1))
+    sample, samples = members["sample"], max(1, members["samples"])
     engine.update_progress(min(sample / samples, 0.999))  # 100 % is said by the end alone
-    remaining = members.get("remaining", -1)
-    parts = [members.get("text", ""), "Sample %d/%d" % (sample, samples)]
-    if remaining is not None and remaining >= 0:
-        parts.insert(1, "Remaining " + duration(remaining))
-    engine.update_stats("", " | ".join(part for part in parts if part))
+    parts = [members.get("text") or "Sample %d/%d" % (sample, samples)]
+    if members.get("remaining", -1) >= 0:
+        parts.insert(0, "Remaining " + duration(members["remaining"]))
+    engine.update_stats("", " | ".join(parts))
 
 
 def duration(seconds):
@@ -168,7 +173,7 @@ def duration(seconds):
 def _tell_warnings(engine, session):
     """One report for all of them: each names its object and property. A preview stays silent."""
     if session.warnings and not engine.is_preview:
-        engine.report({'WARNING'}, "Not rendered as in Cycles:\n" + "\n".join(session.warnings))
+        engine.report({'WARNING'}, "Stokes warns of:\n" + "\n".join(session.warnings))
     session.warnings = []
 
 

@@ -23,7 +23,8 @@ class Session:
         self.size = size
         self.rectangle = rectangle
         self.preview = preview
-        self.warnings = []  # one line each
+        self.warnings = []  # one line each, until they are told
+        self.replaced = []  # (object, property, text) of what the export had to replace
         self.width, self.height = rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]
         self.client = Client(core_preference(), 16 * self.width * self.height, low_priority=not bpy.app.background)
 
@@ -36,6 +37,13 @@ class Session:
     def export(self, check):
         """Sends the scene and asks for the picture; also writes the scene file, if one is wanted.
         `check` is called now and then, and may raise to stop."""
+        self.client.on_wait = check
+        try:
+            self._export(check)
+        finally:
+            self.client.on_wait = None
+
+    def _export(self, check):
         path = "" if self.preview else record_path(self.depsgraph)
         if not path:
             self._send(self.client, check)
@@ -48,7 +56,8 @@ class Session:
         try:
             send_scene(context, self.shown_camera, self.size, self.rectangle, threads(self.scene))
         finally:
-            self.warnings += [": ".join(part for part in warning if part) for warning in context.warnings]
+            self.replaced = context.warnings
+            self.warnings += [": ".join(part for part in entry if part) for entry in self.replaced]
         out.send("render", samples=[0, properties.sample_count(self.scene, preview=self.preview)],
                  film=self.client.film_member, layer=self.depsgraph.view_layer.name)
 
@@ -72,11 +81,11 @@ class Session:
 def core_preference():
     """The path in the add-on's preferences, "" if there is none."""
     addon = bpy.context.preferences.addons.get(__package__.rpartition(".")[0])
-    return getattr(getattr(addon, "preferences", None), "core_path", "")
+    return bpy.path.abspath(getattr(getattr(addon, "preferences", None), "core_path", ""))
 
 
 def is_strict(scene):
-    return bool(os.environ.get("STOKES_STRICT")) or getattr(scene.stokes, "strict", False)
+    return bool(os.environ.get("STOKES_STRICT")) or scene.stokes.strict
 
 
 def threads(scene):

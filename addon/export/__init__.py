@@ -20,9 +20,20 @@ def send_scene(context, shown_camera, size, rectangle, threads=None):
         # A preview is a look, not a measurement: wide mollification that does not shrink is clean at once.
         settings.update(d0=100.0, shrink=0.0, time_limit=PREVIEW_SECONDS, max_path=min(settings["max_path"], 12))
     context.send("settings", **settings)
+    _warn_of_scene(context)
     objects.send_objects(context)
     send_world(context)
     camera.send_camera(shown_camera, size, rectangle, context)
+
+
+def _warn_of_scene(context):
+    scene = context.scene
+    if scene.render.use_motion_blur:
+        context.warn(scene, "use_motion_blur", "is not rendered: everything stands still")
+    if scene.render.use_multiview:
+        context.warn(scene, "use_multiview", "is not rendered: both eyes see the same")
+    if context.cycles(scene, "film_exposure", 1.0) != 1.0:
+        context.warn(scene, "film_exposure", "of Cycles is not applied; use the exposure of Color Management")
 
 
 def send_world(context):

@@ -21,6 +21,9 @@ def send_light(shown, matrix, visible, name, context):
         return  # a portal emits nothing: it only guides Cycles' sampling
     _warn(light, matrix, context)
     kind, factor, members = _KINDS[light.type](light, matrix, context)
+    if 0 in members.get("size", ()):
+        context.warn(light, "size", "is 0: a lamp without area gives no light")
+        return
     emission = scaled(nodes.light_emission(light, context), light.energy * factor * 2 ** getattr(light, "exposure", 0))
     context.send("light", name=name, kind=kind, transform=camera.flat(camera.rigid(matrix)), emission=emission,
                  visible=visible, **members)

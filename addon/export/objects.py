@@ -13,7 +13,8 @@ RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 
 # Objects that no renderer shows, or that come a second time as the mesh they evaluate to.
 _INVISIBLE = {'EMPTY', 'CAMERA', 'ARMATURE', 'LATTICE', 'SPEAKER', 'LIGHT_PROBE',
-              'CURVE', 'SURFACE', 'FONT', 'META', 'MESH'}
+              'CURVE', 'SURFACE', 'FONT', 'META', 'MESH',
+              'GPENCIL', 'GREASEPENCIL'}  # Blender draws these over the picture of any engine
 
 
 def send_objects(context):
@@ -54,7 +55,7 @@ class Groups:
                 transforms.extend(matrix[1])
                 transforms.extend(matrix[2])
         elif shown.type not in _INVISIBLE:
-            self.context.warn(shown, "type", "%s is not rendered" % shown.type.lower().replace("gpencil", "grease pencil"))
+            self.context.warn(shown, "type", "%s is not rendered" % shown.type.lower())
 
     def _transforms(self, instance, shown, data):
         """The array that takes the place of this instance, or None if it has no faces."""

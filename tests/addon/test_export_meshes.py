@@ -1,5 +1,9 @@
 """Meshes and instances: what the depsgraph shows is what the stream holds, each mesh once."""
 
+import pytest
+
+from conftest import ROOT
+
 
 def test_a_quad_arrives_with_its_positions_corners_and_material(host, tmp_path):
     told = host.run("""
@@ -204,3 +208,57 @@ tell([messages(frames, "mesh"), messages(frames, "instances")])
 """, tmp_path)
     assert "TOLD [[], []]" in done.stdout, done.stdout
     assert "Cloud: type: volume is not rendered" in done.stdout
+
+
+def test_geometry_nodes_instances_share_a_mesh_and_keep_its_materials(host, tmp_path):
+    told = host.run("""
+scene = empty_scene()
+base = add_mesh("Base")
+material = bpy.data.materials.new("Inner")
+group = bpy.data.node_groups.new("Scatter", 'GeometryNodeTree')
+if hasattr(group, "interface"):
+    group.interface.new_socket("Geometry", in_out='OUTPUT', socket_type='NodeSocketGeometry')
+else:
+    group.outputs.new('NodeSocketGeometry', "Geometry")
+grid, cube, assign, scatter, out = (group.nodes.new(kind) for kind in (
+    'GeometryNodeMeshGrid', 'GeometryNodeMeshCube', 'GeometryNodeSetMaterial',
+    'GeometryNodeInstanceOnPoints', 'NodeGroupOutput'))
+assign.inputs["Material"].default_value = material
+link = group.links.new
+link(grid.outputs["Mesh"], scatter.inputs["Points"])
+link(cube.outputs["Mesh"], assign.inputs["Geometry"])
+link(assign.outputs["Geometry"], scatter.inputs["Instance"])
+link(scatter.outputs["Instances"], out.inputs[0])
+base.modifiers.new("nodes", 'NODES').node_group = group
+frames = render_frames()
+instances = messages(frames, "instances")
+tell([len(messages(frames, "mesh")), [m["materials"] for m in instances],
+      [len(blob(frames, "instances", m["name"], "transforms", "f")) // 12 for m in instances],
+      list(set(blob(frames, "mesh", messages(frames, "mesh")[0]["name"], "material_index", "I")))])
+""", tmp_path)
+    meshes, [materials], places, [index] = told
+    assert meshes == 1 and places == [9] and materials[index] == "Inner"
+
+
+def test_the_real_core_takes_what_artists_leave_lying_about(host, tmp_path):
+    """Flat, mirrored and empty things, strange names: no error, and a picture."""
+    if not (ROOT / "build" / "stokes").exists():
+        pytest.skip("build/stokes is not built")
+    assert host.run("""
+scene = empty_scene(size=(8, 8))
+add_mesh("Flat").scale = (1, 1, 0)
+add_mesh("Nothing").scale = (0, 0, 0)
+add_mesh("Mirrored").scale = (-1, 1, 1)
+add_mesh("Sliver", ((0, 0, 0), (0, 0, 0), (1, 0, 0)), ((0, 1, 2),))
+add_mesh('Quote " \\\\ und Übergröße \u2603')
+add_mesh("Empty", (), ())
+for kind in ('POINT', 'SUN', 'SPOT', 'AREA'):
+    light = bpy.data.lights.new(kind, kind)
+    light.energy = 0
+    add(kind, light).scale = (0, 0, 0)
+twin = bpy.data.lights.new("Twin", 'AREA')
+twin.size = 0
+add("Twin", twin)
+bpy.ops.render.render()
+tell("rendered")
+""", tmp_path, env={"STOKES_CORE": str(ROOT / "build" / "stokes")}) == "rendered"
