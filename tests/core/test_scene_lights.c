@@ -243,6 +243,39 @@ static void direction_densities_integrate_to_one(void **state)
     assert_estimates(found, exact, count, (struct power){.sees_error = 0.08});
 }
 
+/* Beside a lamp of known power, a light is chosen by its own; a distant light's falls on the cross-section of
+   the scene. */
+static void lights_are_chosen_by_the_power_that_physics_gives(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < LIGHTS; k++) {
+        if (lights[k].area == 0)
+            continue;
+        struct scene *scene = lights[k].make();
+        struct vec3 center;
+        float radius;
+        scenes_light(scene, (struct light_input){.name = "~",
+                                                 .shape = LIGHT_POINT,
+                                                 .transform = scenes_identity,
+                                                 .emission = scenes_emission(PER_NM)});
+        scenes_commit(scene);
+        scene_bounds(scene, &center, &radius);
+        double section = M_PI * radius * radius,
+               of_world = lights[k].make == make_constant_world ? 4 * M_PI : 1;
+        double power = lights[k].power > 0 ? lights[k].power : section * of_world;
+        for (uint64_t i = 0; i < 200; i++) {
+            float u[3], pdf;
+            struct light_point point;
+            draw_numbers(150, i, u, 3);
+            assert_true(scene_sample_light(scene, u, &point, &pdf));
+            bool other = strcmp(scene_light_name(scene, point.light), "~") == 0;
+            double chance = (other ? 4 * M_PI : power) / (power + 4 * M_PI);
+            assert_float_equal(pdf * (other ? 1 : lights[k].area) / chance, 1, 1e-4);
+        }
+        scene_destroy(scene);
+    }
+}
+
 /* Light that leaves: the mean of L cos / pdf over points and directions is the power that physics gives. */
 static void emitted_power_is_what_physics_says(void **state)
 {
@@ -404,6 +437,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities_are_those_that_are_drawn_from),
         cmocka_unit_test(direction_densities_integrate_to_one),
+        cmocka_unit_test(lights_are_chosen_by_the_power_that_physics_gives),
         cmocka_unit_test(emitted_power_is_what_physics_says),
         cmocka_unit_test(distant_lights_give_their_irradiance),
         cmocka_unit_test(world_density_integrates_to_one_and_covers_all_that_shines),
