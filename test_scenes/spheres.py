@@ -20,7 +20,7 @@ GREY = (0.2, 0.2, 0.2)
 YIELD = 0.9  # quantum yield of a good dye in a paint
 
 # The lamp: daylight, and a violet LED that excites the dyes and is all but invisible by itself.
-RADIANCE = 24.0
+RADIANCE = 21.0
 VIOLET = {"Mean": 400.0, "Sigma": 10.0, "Peak": 14.0}
 
 
@@ -77,13 +77,13 @@ def main():
     walls.update((side, painted_wall(nodes, side)) for side in PAINTS)
     walls["front"] = walls["back"]  # behind the camera
     build.box(LOW, HIGH, walls)
-    build.sphere("Silver", (-0.92, 0.75, 0.85), 0.85, metal(nodes, "Ag", 0.0))
-    build.sphere("Flint", (0.78, -0.30, 0.68), 0.68, glass(nodes, "SF11"))
-    build.sphere("Gold", (-0.50, -0.95, 0.40), 0.40, metal(nodes, "Au", 0.2))
-    build.sphere("Crown", (0.12, -1.75, 0.22), 0.22, glass(nodes, "BK7"))
-    build.sphere("Copper", (1.50, 1.25, 0.45), 0.45, metal(nodes, "Cu", 0.1))
+    build.sphere("Silver", (-0.95, 0.85, 0.85), 0.85, metal(nodes, "Ag", 0.0))
+    build.sphere("Flint", (0.62, -0.15, 0.70), 0.70, glass(nodes, "SF11"))
+    build.sphere("Gold", (-0.72, -0.85, 0.40), 0.40, metal(nodes, "Au", 0.2))
+    build.sphere("Copper", (1.42, -0.95, 0.34), 0.34, metal(nodes, "Cu", 0.1))
+    build.sphere("Crown", (-0.02, -1.30, 0.26), 0.26, glass(nodes, "BK7"))
     lamp(nodes)
-    build.camera((0.0, -3.9, 1.5), (0.05, 0.5, 1.12), 30.0)
+    build.camera((0.0, -3.9, 1.55), (0.05, 0.5, 0.98), 30.0)
     scene.view_settings.view_transform = 'Standard'
     scene.view_settings.exposure = 0.0
     build.render("spheres", options)
