@@ -7,7 +7,7 @@
 
 #define COSINES 24
 #define ROUGHNESSES 16
-#define STRATA 12 /* squared: points of the quadrature; the error of E is below 0.002 */
+#define POINTS 256 /* of the quadrature; the error of E stays below 0.002 */
 
 struct albedo_table {
     int rows;
@@ -42,20 +42,20 @@ static float quadrature(enum albedo_of of, float ior, float alpha, float cosine)
 {
     struct vec3 w = vec3(sqrtf(fmaxf(0, 1 - cosine * cosine)), 0, cosine);
     float f0 = fresnel_f0(ior), sum = 0, white = 0;
-    for (int i = 0; i < STRATA; i++)
-        for (int j = 0; j < STRATA; j++) {
-            struct vec3 h = ggx_sample(w, alpha, (i + 0.5f) / STRATA, (j + 0.5f) / STRATA);
-            float weight = reflected_weight(w, h, alpha), f = fresnel_dielectric(fminf(1, dot(w, h)), ior);
-            white += weight;
-            if (of == ALBEDO_FRESNEL_SHARE)
-                sum += weight * clampf((f - f0) / (1 - f0), 0, 1);
-            else if (of == ALBEDO_GLASS)
-                sum += f * weight + (1 - f) * refracted_weight(w, h, alpha, ior);
-        }
+    for (int i = 0; i < POINTS; i++) {
+        float v = (float)i * 0.618034f; /* Kronecker's sequence: each coordinate is even by itself, too */
+        struct vec3 h = ggx_sample(w, alpha, ((float)i + 0.5f) / POINTS, v - floorf(v));
+        float weight = reflected_weight(w, h, alpha), f = fresnel_dielectric(fminf(1, dot(w, h)), ior);
+        white += weight;
+        if (of == ALBEDO_FRESNEL_SHARE)
+            sum += weight * clampf((f - f0) / (1 - f0), 0, 1);
+        else if (of == ALBEDO_GLASS)
+            sum += f * weight + (1 - f) * refracted_weight(w, h, alpha, ior);
+    }
     switch (of) {
-    case ALBEDO_WHITE: return white / (STRATA * STRATA);
+    case ALBEDO_WHITE: return white / POINTS;
     case ALBEDO_FRESNEL_SHARE: return white > 0 ? sum / white : 1;
-    case ALBEDO_GLASS: return sum / (STRATA * STRATA);
+    case ALBEDO_GLASS: return sum / POINTS;
     }
     return 0;
 }
