@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "material/hit_mesh.h"
 #include "scenes.h"
 #include "statistics.h"
 
@@ -197,6 +198,41 @@ static void lens_points_fill_their_aperture(void **state)
     }
 }
 
+/* Window coordinates of a hit are where its pixel lies in the frame, 0 … 1. */
+static void window_coordinates_are_the_film_point(void **state)
+{
+    (void)state;
+    struct camera_input cameras[] = {perspective(), orthographic()};
+    for (size_t k = 0; k < 2; k++) {
+        struct scene *scene = scene_create();
+        struct vec3 center = vec3(1, -2, 0.5f), axis = normalize(vec3(-0.4f, -0.6f, -0.2f));
+        struct frame f = frame_about(normalize(vec3(0.3f, 0.9f, 0.5f)));
+        struct vec3 pane[3];
+        for (int i = 0; i < 3; i++) {
+            float phi = 2 * PI_F * (float)i / 3;
+            pane[i] = along(along(along(center, axis, 5), f.s, 60 * cosf(phi)), f.t, 60 * sinf(phi));
+        }
+        scenes_mesh(scene, "pane", pane, 1);
+        scenes_instance(scene, "pane", "pane", "", &scenes_identity, 1);
+        assert_true(scene_set_camera(scene, &cameras[k], NULL));
+        scenes_commit(scene);
+        for (uint64_t i = 0; i < 500; i++) {
+            float u[4], pdf;
+            struct camera_point lens;
+            struct hit hit;
+            const struct material *material;
+            const struct texture window = {.projection = TEXTURE_WINDOW};
+            draw(70, i, u, 4);
+            struct ray ray = scene_camera_ray(scene, u[0] * WIDTH, u[1] * HEIGHT, u + 2, &lens, &pdf);
+            assert_true(scene_intersect(scene, &ray, &hit, &material));
+            struct vec3 at = hit_coordinates(&hit, &window);
+            assert_float_equal(at.x, u[0], 1e-4);
+            assert_float_equal(at.y, u[1], 1e-4);
+        }
+        scene_destroy(scene);
+    }
+}
+
 static void points_outside_frame_or_clip_range_do_not_connect(void **state)
 {
     (void)state;
@@ -247,6 +283,7 @@ int main(void)
         cmocka_unit_test(rays_are_drawn_with_their_density),
         cmocka_unit_test(lens_rays_meet_in_the_plane_of_focus),
         cmocka_unit_test(lens_points_fill_their_aperture),
+        cmocka_unit_test(window_coordinates_are_the_film_point),
         cmocka_unit_test(points_outside_frame_or_clip_range_do_not_connect),
         cmocka_unit_test(bad_cameras_name_what_is_wrong),
     };
