@@ -1,5 +1,6 @@
 """Stokes: a fluorescent, spectral, bidirectional render engine for Blender 3.4 to 5.x.
-Nothing is imported from bpy until Blender registers the add-on, so that `core` also serves scripts without Blender."""
+Nothing is imported from bpy until Blender registers the add-on, so that `core` also serves scripts
+without Blender."""
 
 bl_info = {
     "name": "Stokes",
@@ -14,6 +15,7 @@ bl_info = {
 
 def _rooms():
     from . import engine, nodes, properties, ui
+
     return properties, nodes, ui, engine
 
 
@@ -37,8 +39,9 @@ def unregister():
 
 
 def _leave_module():
-    """A registered engine makes bpy 4.2 crash and 4.5 hang at exit. And 4.2 crashes where bpy outlives the
-    interpreter: it keeps the callbacks of properties for ever, and these keep their modules' bpy."""
+    """A registered engine makes bpy 4.2 crash and 4.5 hang at exit. And 4.2 crashes where bpy
+    outlives the interpreter: it keeps the callbacks of properties for ever, and these keep their
+    modules' bpy."""
     import sys
 
     unregister()

@@ -1,5 +1,6 @@
 """Packs the add-on: python3 addon/pack.py CORE OCIO_FOLDER ZIP. Not part of the zip itself.
-The core's libraries come along with their licences, but for those that every Linux desktop has in one ABI."""
+The core's libraries come along with their licences, but for those that every Linux desktop has in
+one ABI."""
 
 import os
 import re
@@ -17,7 +18,9 @@ OF_THE_SYSTEM = re.compile(r"(linux-vdso|ld-linux|lib(c|m|dl|rt|pthread|gcc_s|st
 def addon_files():
     """Python and data; caches of tools stay at home."""
     for folder, folders, names in os.walk(ADDON):
-        folders[:] = [name for name in folders if name != "__pycache__" and not name.startswith(".")]
+        folders[:] = [
+            name for name in folders if name != "__pycache__" and not name.startswith(".")
+        ]
         for name in names:
             if name not in LEFT_OUT and not name.endswith(".pyc") and not name.startswith("."):
                 path = os.path.join(folder, name)

@@ -1,5 +1,6 @@
-"""One core process: starts `stokes serve`, sends it frames, reads its events with a time-out, and ends with it.
-Every wait is a poll() that drops the GIL, so Blender's window stays alive. Not for two threads at once."""
+"""One core process: starts `stokes serve`, sends it frames, reads its events with a time-out, and
+ends with it. Every wait is a poll() that drops the GIL, so Blender's window stays alive. Not for
+two threads at once."""
 
 import collections
 import os
@@ -45,7 +46,9 @@ class Client:
         except BaseException:
             _end(self._process, self._errors, self._memory, self._film)
             raise
-        self._finalizer = weakref.finalize(self, _end, self._process, self._errors, self._memory, self._film)
+        self._finalizer = weakref.finalize(
+            self, _end, self._process, self._errors, self._memory, self._film
+        )
         self.send("hello", version=stream.VERSION, client=stream.CLIENT)
 
     def _start(self, executable, film_bytes, memory_bytes, low_priority):
@@ -60,8 +63,15 @@ class Client:
                 descriptors.append(self._film.fd)
         try:
             self._process = subprocess.Popen(
-                arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors,
-                pass_fds=descriptors, bufsize=0, start_new_session=True, env=_environment(executable))
+                arguments,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._errors,
+                pass_fds=descriptors,
+                bufsize=0,
+                start_new_session=True,
+                env=_environment(executable),
+            )
         except OSError as error:
             raise CoreError("The core does not start: %s" % error) from error
         self._in, self._out = self._process.stdin.fileno(), self._process.stdout.fileno()
@@ -88,7 +98,8 @@ class Client:
         return {"shared_fd": self._film.fd, "bytes": self._film.size} if self._film else None
 
     def send(self, message, /, **members):
-        """Sends one frame and returns its number. Reads what the core says meanwhile, so that neither side blocks."""
+        """Sends one frame and returns its number. Reads what the core says meanwhile, so that
+        neither side blocks."""
         parts = stream.encode(message, members, self._place)
         for part in self._joined(parts):
             self._write(part)
@@ -96,7 +107,8 @@ class Client:
         return self._sent - 1
 
     def events(self, timeout=0.0):
-        """What the core has said: waits up to `timeout` seconds for the first event. Raises CoreError if it is gone."""
+        """What the core has said: waits up to `timeout` seconds for the first event. Raises
+        CoreError if it is gone."""
         end = time.monotonic() + timeout
         while not self._waiting:
             left = end - time.monotonic()
@@ -137,7 +149,8 @@ class Client:
         self.close()
 
     def _place(self, view):
-        """A region of the shared memory for `view`, or None: the blob then goes inside its frame."""
+        """A region of the shared memory for `view`, or None: the blob then goes inside its
+        frame."""
         if not self._memory or len(view) < SHARED_FROM or len(view) > self._memory.size:
             return None
         if self._next + len(view) > self._memory.size:
@@ -145,13 +158,14 @@ class Client:
             if self._next + len(view) > self._memory.size:
                 return None  # this very frame fills the memory
         at = self._next
-        self._memory.map[at:at + len(view)] = view
+        self._memory.map[at : at + len(view)] = view
         self._next = at + stream.padded(len(view))
         self._touched = self._sent
         return at
 
     def _reuse_memory(self):
-        """Starts again at the front of the memory, once no frame on its way to the core names a region."""
+        """Starts again at the front of the memory, once no frame on its way to the core names a
+        region."""
         if self._touched == self._sent:
             return
         self.wait_done(self._touched)
@@ -176,7 +190,7 @@ class Client:
             ready = self._poll(self._out, self._in, WAIT_SECONDS)
             if self._in in ready:
                 try:
-                    view = view[os.write(self._in, view[:1 << 20]):]
+                    view = view[os.write(self._in, view[: 1 << 20]) :]
                 except BlockingIOError:
                     continue
                 except OSError:
@@ -245,7 +259,9 @@ class Client:
 
 def error_line(members):
     """An `error` or `warning` of the core as one line."""
-    return ": ".join(part for part in (members.get(key) for key in ("object", "property", "text")) if part)
+    return ": ".join(
+        part for part in (members.get(key) for key in ("object", "property", "text")) if part
+    )
 
 
 def _environment(executable):
@@ -265,7 +281,8 @@ def _signal_name(number):
 
 
 def _end(process, errors, *memories):
-    """Leaves nothing behind: no process, no zombie, no descriptor. Also the last act of a forgotten Client."""
+    """Leaves nothing behind: no process, no zombie, no descriptor. Also the last act of a forgotten
+    Client."""
     if process:
         process.stdin.close()
         try:

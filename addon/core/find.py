@@ -1,4 +1,5 @@
-"""Where the core's executable is: a preference, $STOKES_CORE, beside the add-on, the checkout's build, $PATH."""
+"""Where the core's executable is: a preference, $STOKES_CORE, beside the add-on, the checkout's
+build, $PATH."""
 
 import os
 import shutil
@@ -13,7 +14,8 @@ class CoreNotFound(Exception):
 
 
 def _named(path, where):
-    """A path that somebody chose must be right: falling through to another core would hide the mistake."""
+    """A path that somebody chose must be right: falling through to another core would hide the
+    mistake."""
     if not os.path.isfile(path):
         raise CoreNotFound("%s names no file: %s" % (where, path))
     return path
@@ -31,7 +33,10 @@ def find_core(preference=""):
         found = [path for path in (beside, checkout) if os.path.isfile(path)]
         path = found[0] if found else shutil.which(NAME)
     if not path:
-        raise CoreNotFound("The core is missing: no %s beside the add-on, in the checkout's build or in PATH" % NAME)
+        raise CoreNotFound(
+            "The core is missing: no %s beside the add-on, in the checkout's build or in PATH"
+            % NAME
+        )
     if not os.access(path, os.X_OK):
         try:
             os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)

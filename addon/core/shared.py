@@ -1,5 +1,6 @@
-"""Shared memory that no kill can leave behind: the one file of addon/core that depends on the operating system.
-Linux gives anonymous files (memfd); elsewhere `available()` is false and blobs travel inside the frames."""
+"""Shared memory that no kill can leave behind: the one file of addon/core that depends on the
+operating system. Linux gives anonymous files (memfd); elsewhere `available()` is false and blobs
+travel inside the frames."""
 
 import mmap
 import os
@@ -10,7 +11,8 @@ def available():
 
 
 class Memory:
-    """`size` bytes that a child process may map by the descriptor `fd`. Pages cost nothing until they are touched."""
+    """`size` bytes that a child process may map by the descriptor `fd`. Pages cost nothing until
+    they are touched."""
 
     def __init__(self, size, label):
         self.size = size

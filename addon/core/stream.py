@@ -1,5 +1,6 @@
 """The writer of the Stokes stream: frames of a head, a JSON object and a blob area.
-The contract is csrc/stream/STREAM.md; `Recorder` writes a scene file, `client.Client` speaks to a core."""
+The contract is csrc/stream/STREAM.md; `Recorder` writes a scene file, `client.Client` speaks to a
+core."""
 
 import json
 import os
@@ -21,7 +22,8 @@ class StreamError(Exception):
 
 
 class Blob:
-    """Bulk data in a message: anything with contiguous memory (array.array, bytes, a memoryview)."""
+    """Bulk data in a message: anything with contiguous memory (array.array, bytes, a
+    memoryview)."""
 
     __slots__ = ("view",)
 
@@ -37,8 +39,8 @@ def padded(size):
 
 
 def encode(message, members, place=None, mandatory=True):
-    """The frame as a list of bytes-like parts. `place(view)` may put a blob into shared memory and return its
-    offset there; where it returns None, or is absent, the blob follows in the frame."""
+    """The frame as a list of bytes-like parts. `place(view)` may put a blob into shared memory and
+    return its offset there; where it returns None, or is absent, the blob follows in the frame."""
     parts = []
     area = 0
 
@@ -55,7 +57,9 @@ def encode(message, members, place=None, mandatory=True):
         return {"at": at, "bytes": size}
 
     try:
-        text = json.dumps(members, default=blob, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+        text = json.dumps(
+            members, default=blob, allow_nan=False, ensure_ascii=False, separators=(",", ":")
+        )
         text = text.encode("utf-8")
         name = message.encode("ascii")
     except (TypeError, ValueError) as error:
@@ -67,7 +71,8 @@ def encode(message, members, place=None, mandatory=True):
 
 
 def decode(buffer, start=0):
-    """The frame at `start`: (message, members, blob area, end of the frame), or None if it is not whole yet."""
+    """The frame at `start`: (message, members, blob area, end of the frame), or None if it is not
+    whole yet."""
     if len(buffer) - start < HEAD.size:
         return None
     magic, _, name, json_bytes, blob_bytes = HEAD.unpack_from(buffer, start)
@@ -78,8 +83,8 @@ def decode(buffer, start=0):
     end = blobs + padded(blob_bytes)
     if len(buffer) < end:
         return None
-    members = json.loads(bytes(buffer[text:text + json_bytes]).decode("utf-8"))
-    return name.rstrip(b"\0").decode("ascii"), members, buffer[blobs:blobs + blob_bytes], end
+    members = json.loads(bytes(buffer[text : text + json_bytes]).decode("utf-8"))
+    return name.rstrip(b"\0").decode("ascii"), members, buffer[blobs : blobs + blob_bytes], end
 
 
 def read(path):
@@ -97,7 +102,8 @@ def read(path):
 
 
 class Recorder:
-    """Writes a scene file: under a temporary name, renamed when it is whole. An exception leaves nothing behind."""
+    """Writes a scene file: under a temporary name, renamed when it is whole. An exception leaves
+    nothing behind."""
 
     def __init__(self, path):
         self.path = os.fspath(path)

@@ -1,4 +1,5 @@
-"""The render engine as Blender sees it. It forwards: `final`, `viewport` and `session` do the work."""
+"""The render engine as Blender sees it. It forwards: `final`, `viewport` and `session` do the
+work."""
 
 import bpy
 
@@ -15,7 +16,8 @@ class StokesEngine(bpy.types.RenderEngine):
     bl_use_spherical_stereo = False
     bl_use_custom_freestyle = False
 
-    # Blender may call this twice on one object (4.4+), and with arguments or without: nothing starts here.
+    # Blender may call this twice on one object (4.4+), and with arguments or without: nothing
+    # starts here.
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
 

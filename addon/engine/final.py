@@ -1,5 +1,6 @@
 """A final render or a material preview of one view layer: from the depsgraph to the Image Editor.
-Whatever goes wrong ends here, as one line; an exception that left render() would write a black file (blender.md, 4)."""
+Whatever goes wrong ends here, as one line; an exception that left render() would write a black file
+(blender.md, 4)."""
 
 import struct
 import time
@@ -37,7 +38,8 @@ def render(engine, depsgraph):
 
 
 def _fail(engine, text):
-    """Both are needed: report() gives exit status 1 and no file, error_set() ends the job in the window."""
+    """Both are needed: report() gives exit status 1 and no file, error_set() ends the job in the
+    window."""
     engine.report({'ERROR'}, text)
     engine.error_set(text)
 
@@ -52,7 +54,9 @@ def _render(engine, depsgraph):
         size = engine.resolution_x, engine.resolution_y
     rectangle = camera.border(scene, size)
     engine.update_stats("", "Exporting the scene")
-    with Session(depsgraph, shown_camera.evaluated_get(depsgraph), size, rectangle, engine.is_preview) as session:
+    with Session(
+        depsgraph, shown_camera.evaluated_get(depsgraph), size, rectangle, engine.is_preview
+    ) as session:
         session.export(lambda: _check(engine))
         if not engine.is_preview:
             report.keep(session.replaced)
@@ -80,7 +84,9 @@ def _follow(engine, session, picture):
             session.client.cancel()
             give_up = time.monotonic() + CANCEL_SECONDS
         if give_up is not None and time.monotonic() > give_up:
-            raise CoreError("The core did not stop within %d seconds and was ended" % CANCEL_SECONDS)
+            raise CoreError(
+                "The core did not stop within %d seconds and was ended" % CANCEL_SECONDS
+            )
         for event in session.events():
             if event.name == "progress":
                 progress.show(event.members)
@@ -93,7 +99,8 @@ def _follow(engine, session, picture):
 
 
 class Picture:
-    """The render result that stays open for the whole render: what it holds is kept when the render ends early."""
+    """The render result that stays open for the whole render: what it holds is kept when the render
+    ends early."""
 
     def __init__(self, engine, session, layer):
         self.engine = engine
@@ -104,7 +111,9 @@ class Picture:
         if (self.result.resolution_x, self.result.resolution_y) != (width, height):
             found = self.result.resolution_x, self.result.resolution_y
             engine.end_result(self.result)
-            raise CoreError("border: the picture is %d × %d, Blender's %d × %d" % (width, height, *found))
+            raise CoreError(
+                "border: the picture is %d × %d, Blender's %d × %d" % (width, height, *found)
+            )
         self.is_fresh = False
         self.next_show = 0.0
 
@@ -112,7 +121,8 @@ class Picture:
         self.is_fresh = True
 
     def show_now_and_then(self):
-        """Nobody looks at a batch render on its way; beside a window showing must not cost more than it is worth."""
+        """Nobody looks at a batch render on its way; beside a window showing must not cost more
+        than it is worth."""
         start = time.monotonic()
         if not self.is_fresh or bpy.app.background or start < self.next_show:
             return
@@ -134,15 +144,16 @@ class Picture:
 
 def set_pixels(target, data, count):
     """`count` RGBA pixels from the film's bytes into a render pass."""
-    if bpy.app.version >= (4, 0, 0):
+    if bpy.app.version >= (4, 2, 0):
         with memoryview(data) as view, view.cast("f") as floats:
             target.rect.foreach_set(floats)
     else:  # 3.4 refuses a flat array for a pass of four channels (blender.md, 8)
-        target.rect = list(struct.iter_unpack("<4f", data[:16 * count]))
+        target.rect = list(struct.iter_unpack("<4f", data[: 16 * count]))
 
 
 class Progress:
-    """What the status line says; a batch render prints each line, so there it speaks once a second."""
+    """What the status line says; a batch render prints each line, so there it speaks once a
+    second."""
 
     def __init__(self, engine):
         self.engine = engine

@@ -1,5 +1,5 @@
-"""One core at work for one view layer: exports the scene, starts the render, and hands on what the core says.
-Knows no RenderEngine: `final` decides what becomes of the picture and of the words."""
+"""One core at work for one view layer: exports the scene, starts the render, and hands on what the
+core says. Knows no RenderEngine: `final` decides what becomes of the picture and of the words."""
 
 import os
 
@@ -26,7 +26,9 @@ class Session:
         self.warnings = []  # one line each, until they are told
         self.replaced = []  # (object, property, text) of what the export had to replace
         self.width, self.height = rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]
-        self.client = Client(core_preference(), 16 * self.width * self.height, low_priority=not bpy.app.background)
+        self.client = Client(
+            core_preference(), 16 * self.width * self.height, low_priority=not bpy.app.background
+        )
 
     def __enter__(self):
         return self
@@ -52,14 +54,20 @@ class Session:
             self._send(stream.Tee(self.client, recorder), check)
 
     def _send(self, out, check):
-        context = ExportContext(out, self.depsgraph, strict=is_strict(self.scene), preview=self.preview, check=check)
+        context = ExportContext(
+            out, self.depsgraph, strict=is_strict(self.scene), preview=self.preview, check=check
+        )
         try:
             send_scene(context, self.shown_camera, self.size, self.rectangle, threads(self.scene))
         finally:
             self.replaced = context.warnings
             self.warnings += [": ".join(part for part in entry if part) for entry in self.replaced]
-        out.send("render", samples=[0, properties.sample_count(self.scene, preview=self.preview)],
-                 film=self.client.film_member, layer=self.depsgraph.view_layer.name)
+        out.send(
+            "render",
+            samples=[0, properties.sample_count(self.scene, preview=self.preview)],
+            film=self.client.film_member,
+            layer=self.depsgraph.view_layer.name,
+        )
 
     def events(self):
         """What the core has said, for the caller; warnings are kept here and an error is raised."""
@@ -104,5 +112,3 @@ def record_path(depsgraph):
         base, ending = os.path.splitext(path)
         path = "%s.%s%s" % (base, bpy.path.clean_name(depsgraph.view_layer.name), ending)
     return path
-
-

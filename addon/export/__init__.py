@@ -1,4 +1,5 @@
-"""The depsgraph as a Stokes stream: `send_scene` is the whole export, in the order of its messages."""
+"""The depsgraph as a Stokes stream: `send_scene` is the whole export, in the order of its
+messages."""
 
 import bpy
 
@@ -10,15 +11,19 @@ PREVIEW_SECONDS = 1.0  # of rendering; with start, export and display a preview 
 
 
 def send_scene(context, shown_camera, size, rectangle, threads=None):
-    """All messages of a scene but `render`. `shown_camera` is an evaluated object; `rectangle` the border."""
+    """All messages of a scene but `render`. `shown_camera` is an evaluated object; `rectangle` the
+    border."""
     scene = context.scene
     color.send_color(context)
     settings = properties.stream_settings(scene, preview=context.preview)
     if threads is not None:
         settings["threads"] = threads
     if context.preview:
-        # A preview is a look, not a measurement: wide mollification that does not shrink is clean at once.
-        settings.update(d0=100.0, shrink=0.0, time_limit=PREVIEW_SECONDS, max_path=min(settings["max_path"], 12))
+        # A preview is a look, not a measurement: wide mollification that does not shrink is clean
+        # at once.
+        settings.update(
+            d0=100.0, shrink=0.0, time_limit=PREVIEW_SECONDS, max_path=min(settings["max_path"], 12)
+        )
     context.send("settings", **settings)
     _warn_of_scene(context)
     objects.send_objects(context)
@@ -33,7 +38,9 @@ def _warn_of_scene(context):
     if scene.render.use_multiview:
         context.warn(scene, "use_multiview", "is not rendered: both eyes see the same")
     if context.cycles(scene, "film_exposure", 1.0) != 1.0:
-        context.warn(scene, "film_exposure", "of Cycles is not applied; use the exposure of Color Management")
+        context.warn(
+            scene, "film_exposure", "of Cycles is not applied; use the exposure of Color Management"
+        )
 
 
 def send_world(context):
@@ -41,20 +48,32 @@ def send_world(context):
     members = nodes.world(world, context)
     visibility = getattr(world, "cycles_visibility", None)
     if visibility:
-        members["visible"] = {ray: getattr(visibility, blender) for ray, blender in (
-            ("camera", "camera"), ("diffuse", "diffuse"), ("glossy", "glossy"), ("transmission", "transmission"))}
+        members["visible"] = {
+            ray: getattr(visibility, blender)
+            for ray, blender in (
+                ("camera", "camera"),
+                ("diffuse", "diffuse"),
+                ("glossy", "glossy"),
+                ("transmission", "transmission"),
+            )
+        }
     context.send("world", **members)
 
 
 def record(path, depsgraph=None, samples=None):
-    """Writes the scene as a file for `stokes render`, without a core; returns the warnings. For scripts and tests."""
+    """Writes the scene as a file for `stokes render`, without a core; returns the warnings. For
+    scripts and tests."""
     from ..core import stream
+
     depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
     scene = depsgraph.scene
     size = camera.resolution(scene)
     with stream.Recorder(path) as recorder:
         context = ExportContext(recorder, depsgraph)
         send_scene(context, scene.camera.evaluated_get(depsgraph), size, camera.border(scene, size))
-        recorder.send("render", samples=[0, samples or properties.sample_count(scene)],
-                      layer=depsgraph.view_layer.name)
+        recorder.send(
+            "render",
+            samples=[0, samples or properties.sample_count(scene)],
+            layer=depsgraph.view_layer.name,
+        )
     return context.warnings

@@ -4,7 +4,6 @@ Also the size of the picture and of the border within it."""
 import math
 
 
-
 def resolution(scene):
     """Size of the full frame in pixels."""
     render = scene.render
@@ -13,7 +12,8 @@ def resolution(scene):
 
 
 def border(scene, size):
-    """The rectangle [x0, y0, x1, y1) to render, in pixels of the full frame, first row at the bottom."""
+    """The rectangle [x0, y0, x1, y1) to render, in pixels of the full frame, first row at the
+    bottom."""
     render, (width, height) = scene.render, size
     if not render.use_border:
         return [0, 0, width, height]
@@ -24,7 +24,8 @@ def border(scene, size):
 
 
 def send_camera(shown, size, rectangle, context):
-    """`shown` is the evaluated camera object (any object can be a camera: it is then a perspective one)."""
+    """`shown` is the evaluated camera object (any object can be a camera: it is then a perspective
+    one)."""
     camera = shown.data if shown.type == 'CAMERA' else None
     scene = context.scene
     if camera is None:
@@ -71,7 +72,8 @@ def _frame(camera, scene, size):
 
 
 def _lens(camera, matrix, context):
-    """The thin lens. Aperture of a perspective camera: focal length / (2 · f-stop); of an orthographic one, 1 / (2 · f-stop)."""
+    """The thin lens. Aperture of a perspective camera: focal length / (2 · f-stop); of an
+    orthographic one, 1 / (2 · f-stop)."""
     dof = camera.dof
     distance = dof.focus_distance
     if dof.focus_object:
@@ -90,10 +92,10 @@ def _focus_distance(dof, matrix, context):
     """Along the view direction to the object, or to the bone of it that is named."""
     target = dof.focus_object.evaluated_get(context.depsgraph)
     place = target.matrix_world
-    bone = target.pose.bones.get(dof.focus_subtarget) if target.pose and dof.focus_subtarget else None
+    bone = (
+        target.pose.bones.get(dof.focus_subtarget) if target.pose and dof.focus_subtarget else None
+    )
     if bone:
         place = place @ bone.matrix
     view = -matrix.col[2].to_3d()
     return math.fabs(view.dot(place.translation - matrix.translation))
-
-

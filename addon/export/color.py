@@ -9,9 +9,17 @@ from mathutils import Color
 def send_color(context):
     scene = context.scene
     view = scene.view_settings
-    context.send("color", config=config_path(), working_space=working_space(), rgb_to_xyz=rgb_to_xyz(),
-                 display=scene.display_settings.display_device, view=view.view_transform,
-                 look="" if view.look == 'None' else view.look, exposure=view.exposure, gamma=view.gamma)
+    context.send(
+        "color",
+        config=config_path(),
+        working_space=working_space(),
+        rgb_to_xyz=rgb_to_xyz(),
+        display=scene.display_settings.display_device,
+        view=view.view_transform,
+        look="" if view.look == 'None' else view.look,
+        exposure=view.exposure,
+        gamma=view.gamma,
+    )
 
 
 def config_path():
@@ -32,5 +40,8 @@ def working_space():
 
 def rgb_to_xyz():
     """Row-major; its columns are the XYZ of the three primaries."""
-    columns = [Color(primary).from_scene_linear_to_xyz_d65() for primary in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+    columns = [
+        Color(primary).from_scene_linear_to_xyz_d65()
+        for primary in ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    ]
     return [column[row] for row in range(3) for column in columns]

@@ -26,13 +26,16 @@ class ExportContext:
         self.view_layer = depsgraph.view_layer
         self.strict = strict
         self.preview = preview  # a material preview: small, quick, silent
-        self.check = check or (lambda: None)  # called between objects; raises if the user wants to stop
+        self.check = check or (
+            lambda: None
+        )  # called between objects; raises if the user wants to stop
         self.blender_version = tuple(bpy.app.version)
         self.warnings = []  # (object, property, text), each once, in order of appearance
         self._sent_images = {}  # name in the stream -> True
 
     def send(self, message, /, **members):
-        """One frame of the stream; bytes-like members wrapped in core.stream.Blob travel as blobs."""
+        """One frame of the stream; bytes-like members wrapped in core.stream.Blob travel as
+        blobs."""
         return self.stream.send(message, **members)
 
     def warn(self, owner, prop, text):
@@ -46,12 +49,14 @@ class ExportContext:
             raise StrictError("%s: %s: %s" % entry)
 
     def image(self, image):
-        """Sends a bpy image once; returns its name in the stream, or None (after a warning) if it has no pixels."""
+        """Sends a bpy image once; returns its name in the stream, or None (after a warning) if it
+        has no pixels."""
         name = image.name_full
         if name not in self._sent_images:
             self._sent_images[name] = images.send(image, name, self)
         return name if self._sent_images[name] else None
 
     def cycles(self, owner, name, default):
-        """A setting that the Cycles add-on keeps on `owner`; it may be off, or the setting gone (blender.md, 27)."""
+        """A setting that the Cycles add-on keeps on `owner`; it may be off, or the setting gone
+        (blender.md, 27)."""
         return getattr(getattr(owner, "cycles", None), name, default)

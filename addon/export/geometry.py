@@ -1,5 +1,6 @@
 """An evaluated mesh into one `mesh` message: foreach_get into arrays, never a loop over vertices.
-Names of the API that changed between Blender 3.4 and 5.x are asked for here only (blender.md, 16 and 26)."""
+Names of the API that changed between Blender 3.4 and 5.x are asked for here only (blender.md, 16
+and 26)."""
 
 from array import array
 
@@ -20,7 +21,8 @@ def _get(collection, attribute, values):
 
 
 def send_mesh(mesh, name, context):
-    """Sends `mesh` (a bpy Mesh, evaluated). Returns the highest material index, or None if it has no faces."""
+    """Sends `mesh` (a bpy Mesh, evaluated). Returns the highest material index, or None if it has
+    no faces."""
     mesh.calc_loop_triangles()
     triangles = mesh.loop_triangles
     count = len(triangles)
@@ -50,7 +52,8 @@ def _positions(mesh):
 
 
 def _is_flat(mesh):
-    """All faces flat: the core's own geometric normals serve, for every triangle of a bent quad too, as in Cycles."""
+    """All faces flat: the core's own geometric normals serve, for every triangle of a bent quad
+    too, as in Cycles."""
     if hasattr(mesh, "normals_domain"):
         return mesh.normals_domain == 'FACE'
     if mesh.has_custom_normals:

@@ -9,6 +9,8 @@ def send(image, name, context):
     """True if the image has been sent; else a warning has said why not."""
     if image.source == 'TILED':
         context.warn(image, "source", "of a tiled (UDIM) image only the first tile is used")
+    if image.source in {'SEQUENCE', 'MOVIE'}:
+        context.warn(image, "source", "only one frame of it is used, the one that is loaded")
     width, height = image.size  # asking for the size loads the file
     channels = image.channels
     if not width or not height or not channels:
@@ -20,14 +22,22 @@ def send(image, name, context):
         pixels, channels = _grey_alpha_to_rgba(pixels), 4
     if channels == 4:
         _apply_alpha_mode(image, pixels)
-    context.send("image", name=name, width=width, height=height, channels=channels, format="f32",
-                 colorspace=colorspace(image), pixels=Blob(pixels))
+    context.send(
+        "image",
+        name=name,
+        width=width,
+        height=height,
+        channels=channels,
+        format="f32",
+        colorspace=colorspace(image),
+        pixels=Blob(pixels),
+    )
     return True
 
 
 def colorspace(image):
-    """OpenColorIO name of the pixels' space. A float image is already in the working space: Blender converts
-    it when the file is read; bytes it hands out as they are stored."""
+    """OpenColorIO name of the pixels' space. A float image is already in the working space: Blender
+    converts it when the file is read; bytes it hands out as they are stored."""
     settings = image.colorspace_settings
     if settings.is_data:
         return "data"
@@ -43,5 +53,21 @@ def _grey_alpha_to_rgba(pixels):
 
 
 def _apply_alpha_mode(image, pixels):
+    """Colour and alpha as Cycles' two outputs give them: alpha 1 where it is not asked for, and
+    colours that are not multiplied by it, as Blender's float images are."""
     if image.alpha_mode == 'NONE':
         pixels[3::4] = array("f", [1.0]) * (len(pixels) // 4)
+    elif image.is_float and image.alpha_mode != 'CHANNEL_PACKED':
+        _divide_by_alpha(pixels)
+
+
+def _divide_by_alpha(pixels):
+    alphas = pixels[3::4]
+    if min(alphas) >= 1.0:
+        return
+    for texel, alpha in enumerate(alphas):
+        if 0.0 < alpha < 1.0:
+            at = 4 * texel
+            pixels[at] /= alpha
+            pixels[at + 1] /= alpha
+            pixels[at + 2] /= alpha

@@ -1,13 +1,15 @@
 """Blender's lights in physical units, as the Cycles of the *running* Blender means them.
 
-Measured with Cycles in Blender 3.4.1 and bpy 4.2.23, 4.5.15, 5.0.1 (the change came with 4.0), for a light of power P:
+Measured with Cycles in Blender 3.4.1 and bpy 4.2.23, 4.5.15, 5.0.1 (the change came with 4.0), for
+a light of power P:
     point, spot    intensity P/4π; with a radius r radiance P/(4π²r²), whatever the object's scale
     area           radiance P/(πA), before 4.0 P/(4A); A is the area of the scaled shape
     sun            irradiance P; before 4.0 a disk of constant *projected* radiance, which loses
                    2cosα/(1+cosα) of it for half-angle α
 Without `normalize` (4.5) the radiance is P/π, the intensity P/π, the sun's radiance P.
 A spot of 3.4 is dimmed by the cosine too, which the stream does not know: a warning says so.
-Cycles lights with a soft radius are disks that turn to face each point; here they are the spheres of the same intensity."""
+Cycles lights with a soft radius are disks that turn to face each point; here they are the spheres
+of the same intensity."""
 
 import math
 
@@ -15,7 +17,8 @@ from . import camera, nodes
 
 
 def send_light(shown, matrix, visible, name, context):
-    """One `light` message. `shown` is the evaluated object, `matrix` its place (of this instance)."""
+    """One `light` message. `shown` is the evaluated object, `matrix` its place (of this
+    instance)."""
     light = shown.data
     if context.cycles(light, "is_portal", False):
         return  # a portal emits nothing: it only guides Cycles' sampling
@@ -24,9 +27,19 @@ def send_light(shown, matrix, visible, name, context):
     if 0 in members.get("size", ()):
         context.warn(light, "size", "is 0: a lamp without area gives no light")
         return
-    emission = scaled(nodes.light_emission(light, context), light.energy * factor * 2 ** getattr(light, "exposure", 0))
-    context.send("light", name=name, kind=kind, transform=camera.flat(camera.rigid(matrix)), emission=emission,
-                 visible=visible, **members)
+    emission = scaled(
+        nodes.light_emission(light, context),
+        light.energy * factor * 2 ** getattr(light, "exposure", 0),
+    )
+    context.send(
+        "light",
+        name=name,
+        kind=kind,
+        transform=camera.flat(camera.rigid(matrix)),
+        emission=emission,
+        visible=visible,
+        **members,
+    )
 
 
 def scaled(emission, factor):
@@ -48,15 +61,18 @@ def _point(light, _matrix, _context):
 
 def _spot(light, _matrix, _context):
     radius = light.shadow_soft_size
-    return "spot", _radial_factor(light, radius), {
-        "radius": radius, "angle": light.spot_size, "blend": light.spot_blend}
+    return (
+        "spot",
+        _radial_factor(light, radius),
+        {"radius": radius, "angle": light.spot_size, "blend": light.spot_blend},
+    )
 
 
 def _radial_factor(light, radius):
     """Radiance of a sphere, or intensity of a point, per power."""
     if not _is_normalized(light):
         return 1 / math.pi
-    return 1 / (4 * math.pi ** 2 * radius ** 2) if radius > 0 else 1 / (4 * math.pi)
+    return 1 / (4 * math.pi**2 * radius**2) if radius > 0 else 1 / (4 * math.pi)
 
 
 def _sun(light, _matrix, context):
@@ -92,8 +108,16 @@ def _warn(light, matrix, context):
         if max(scale) - min(scale) > 1e-3 * max(scale) and context.blender_version >= (3, 5, 0):
             context.warn(light, "scale", "of a spot is not rendered: its cone is round")
         if context.blender_version < (3, 5, 0):
-            context.warn(light, "spot_size", "the cone is rendered as from Blender 3.5 on: "
-                         "3.4 dims it towards its edge, by the cosine")
-    casts = light.use_shadow if context.blender_version >= (4, 2, 0) else context.cycles(light, "cast_shadow", True)
+            context.warn(
+                light,
+                "spot_size",
+                "the cone is rendered as from Blender 3.5 on: "
+                "3.4 dims it towards its edge, by the cosine",
+            )
+    casts = (
+        light.use_shadow
+        if context.blender_version >= (4, 2, 0)
+        else context.cycles(light, "cast_shadow", True)
+    )
     if not casts:
         context.warn(light, "use_shadow", "is off, but the light casts shadows all the same")

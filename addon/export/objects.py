@@ -1,5 +1,6 @@
 """What the depsgraph shows: each mesh once, its places gathered into one array, lights one by one.
-Keyed by evaluated data-block, so that a million particles cost a million transforms and one mesh."""
+Keyed by evaluated data-block, so that a million particles cost a million transforms and one
+mesh."""
 
 from array import array
 
@@ -12,9 +13,21 @@ DEFAULT_MATERIAL = ""  # the stream's name of the grey that Cycles shows where t
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 
 # Objects that no renderer shows, or that come a second time as the mesh they evaluate to.
-_INVISIBLE = {'EMPTY', 'CAMERA', 'ARMATURE', 'LATTICE', 'SPEAKER', 'LIGHT_PROBE',
-              'CURVE', 'SURFACE', 'FONT', 'META', 'MESH',
-              'GPENCIL', 'GREASEPENCIL'}  # Blender draws these over the picture of any engine
+_INVISIBLE = {
+    'EMPTY',
+    'CAMERA',
+    'ARMATURE',
+    'LATTICE',
+    'SPEAKER',
+    'LIGHT_PROBE',
+    'CURVE',
+    'SURFACE',
+    'FONT',
+    'META',
+    'MESH',
+    'GPENCIL',
+    'GREASEPENCIL',
+}  # Blender draws these over the picture of any engine
 
 
 def send_objects(context):
@@ -34,7 +47,8 @@ class Groups:
 
     def __init__(self, context):
         self.context = context
-        self.meshes = {}  # pointer of the evaluated data -> (name, highest material index), or None if without faces
+        # pointer of the evaluated data -> (name, highest material index), or None without faces
+        self.meshes = {}
         self.names = set()  # (kind, name in the stream)
         self.places = {}  # what an instance is made of -> the group's transforms, for the quick way
         self.groups = {}  # (mesh, materials, visible, holdout) -> [name, transforms]
@@ -45,8 +59,13 @@ class Groups:
         data = shown.data
         if isinstance(data, bpy.types.Light):
             name = self._unique("light", shown.name_full)
-            lights.send_light(shown, instance.matrix_world, visibility(shown, instance.parent, self.context),
-                              name, self.context)
+            lights.send_light(
+                shown,
+                instance.matrix_world,
+                visibility(shown, instance.parent, self.context),
+                name,
+                self.context,
+            )
         elif isinstance(data, bpy.types.Mesh):
             transforms = self._transforms(instance, shown, data)
             if transforms is not None:
@@ -61,8 +80,11 @@ class Groups:
         """The array that takes the place of this instance, or None if it has no faces."""
         if not instance.is_instance:
             return self._group(instance, shown, data)
-        key = (instance.instance_object.as_pointer() if instance.instance_object else 0,
-               data.as_pointer(), instance.parent.as_pointer())
+        key = (
+            instance.instance_object.as_pointer() if instance.instance_object else 0,
+            data.as_pointer(),
+            instance.parent.as_pointer(),
+        )
         try:
             return self.places[key]
         except KeyError:
@@ -94,7 +116,8 @@ class Groups:
         return self.meshes[pointer]
 
     def _slots(self, shown, highest):
-        """Names of the slots' materials; a face whose index is too high gets the last one, as in Cycles."""
+        """Names of the slots' materials; a face whose index is too high gets the last one, as in
+        Cycles."""
         override = self.context.view_layer.material_override
         slots = [override or slot.material for slot in shown.material_slots] or [override]
         slots += [slots[-1]] * (highest + 1 - len(slots))
@@ -114,20 +137,30 @@ class Groups:
 
     def send_materials(self):
         from . import nodes
+
         for name, material in self.materials.items():
             self.context.send("material", name=name, surface=nodes.surface(material, self.context))
 
     def send_instances(self):
         for (mesh, materials, visible, holdout), (name, transforms) in self.groups.items():
-            self.context.send("instances", name=name, mesh=mesh, materials=list(materials),
-                              transforms=Blob(transforms), visible=dict(visible), holdout=holdout)
+            self.context.send(
+                "instances",
+                name=name,
+                mesh=mesh,
+                materials=list(materials),
+                transforms=Blob(transforms),
+                visible=dict(visible),
+                holdout=holdout,
+            )
 
 
 def visibility(shown, parent, context):
     """Ray visibility of an object and of the instancer that shows it, as in Cycles."""
     owners = [owner for owner in (shown, parent) if owner]
     visible = {ray: all(getattr(owner, "visible_" + ray) for owner in owners) for ray in RAYS}
-    if any(owner.indirect_only_get(view_layer=context.depsgraph.view_layer_eval) for owner in owners):
+    if any(
+        owner.indirect_only_get(view_layer=context.depsgraph.view_layer_eval) for owner in owners
+    ):
         visible["camera"] = False
     return visible
 

@@ -1,5 +1,5 @@
-"""Hosts for the tests of the add-on: Debian's Blender and bpy as a module, each in a process of its own with a time-out.
-A host that is not installed is skipped by name."""
+"""Hosts for the tests of the add-on: Debian's Blender and bpy as a module, each in a process of its
+own with a time-out. A host that is not installed is skipped by name."""
 
 import json
 import os
@@ -33,16 +33,30 @@ class Host:
     def start(self, code, tmp_path, env=None):
         script = tmp_path / "script.py"
         script.write_text(INSIDE.read_text() + "\n\n" + code)
-        environment = dict(os.environ, STOKES_CORE=str(FAKE_CORE), TMP_PATH=str(tmp_path), ROOT=str(ROOT))
+        environment = dict(
+            os.environ, STOKES_CORE=str(FAKE_CORE), TMP_PATH=str(tmp_path), ROOT=str(ROOT)
+        )
         environment.update(env or {})
-        return subprocess.run([*self.command, str(script)], env=environment, timeout=SECONDS, cwd=tmp_path,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+        return subprocess.run(
+            [*self.command, str(script)],
+            env=environment,
+            timeout=SECONDS,
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+        )
 
     def run(self, code, tmp_path, env=None, status=0):
         done = self.start(code, tmp_path, env)
         assert status is None or done.returncode == status, done.stdout
         assert "Traceback" not in done.stdout, done.stdout
-        told = [json.loads(line[len(MARK):]) for line in done.stdout.splitlines() if line.startswith(MARK)]
+        told = [
+            json.loads(line[len(MARK) :])
+            for line in done.stdout.splitlines()
+            if line.startswith(MARK)
+        ]
         assert told, done.stdout
         return told[0] if len(told) == 1 else told
 
@@ -50,7 +64,14 @@ class Host:
 def _command(name):
     if name == "3.4":
         blender = shutil.which("blender")
-        return blender and [blender, "-b", "--factory-startup", "--python-exit-code", "3", "--python"]
+        return blender and [
+            blender,
+            "-b",
+            "--factory-startup",
+            "--python-exit-code",
+            "3",
+            "--python",
+        ]
     python = ROOT / "build" / "venvs" / ("bpy-" + name) / "bin" / "python"
     return [str(python)] if python.exists() else None
 

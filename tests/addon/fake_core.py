@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A core of the tests' own: speaks the stream as STREAM.md says and "renders" a ramp, red = x, green = y.
-$FAKE_CORE is a list of faults: die-at=NAME, kill-at=NAME, error-at=NAME, hang-at=NAME (a message), deaf (ignores cancel),
-slow (0.02 s a sample).
-$FAKE_CORE_LOG names a file that receives one JSON line per frame: {"name", "members", "crc", "at"}, crc being the sums of its
-blobs in the order of the message, wherever they lay."""
+"""A core of the tests' own: speaks the stream as STREAM.md says and "renders" a ramp, red = x,
+green = y. $FAKE_CORE is a list of faults: die-at=NAME, kill-at=NAME, error-at=NAME, hang-at=NAME (a
+message), deaf (ignores cancel), slow (0.02 s a sample).
+$FAKE_CORE_LOG names a file that receives one JSON line per frame: {"name", "members", "crc", "at"},
+crc being the sums of its blobs in the order of the message, wherever they lay."""
 
 import json
 import mmap
@@ -18,7 +18,9 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspa
 
 from addon.core import stream  # noqa: E402
 
-FAULTS = dict(part.partition("=")[::2] for part in os.environ.get("FAKE_CORE", "").split(",") if part)
+FAULTS = dict(
+    part.partition("=")[::2] for part in os.environ.get("FAKE_CORE", "").split(",") if part
+)
 
 
 class FakeCore:
@@ -71,15 +73,20 @@ class FakeCore:
         if not isinstance(value, dict):
             return []
         if "bytes" in value and "at" in value:
-            return [zlib.crc32(area[value["at"]:value["at"] + value["bytes"]])]
+            return [zlib.crc32(area[value["at"] : value["at"] + value["bytes"]])]
         if "bytes" in value and "shared" in value:
             with mmap.mmap(self.memory_fd, 0) as memory:
-                return [zlib.crc32(memory[value["shared"]:value["shared"] + value["bytes"]])]
+                return [zlib.crc32(memory[value["shared"] : value["shared"] + value["bytes"]])]
         return [crc for item in value.values() for crc in self.sums(item, area)]
 
     def note(self, name, members, area):
         if self.log:
-            line = {"name": name, "members": members, "crc": self.sums(members, area), "at": time.time()}
+            line = {
+                "name": name,
+                "members": members,
+                "crc": self.sums(members, area),
+                "at": time.time(),
+            }
             print(json.dumps(line), file=self.log, flush=True)
 
     def apply(self, name, members, area):
@@ -93,7 +100,12 @@ class FakeCore:
         if FAULTS.get("hang-at") == name:
             time.sleep(60)
         if FAULTS.get("error-at") == name:
-            self.say("error", object=members.get("name", ""), property="index", text="entry 7 is 9 of 8 vertices")
+            self.say(
+                "error",
+                object=members.get("name", ""),
+                property="index",
+                text="entry 7 is 9 of 8 vertices",
+            )
         if name == "camera":
             self.resolution, self.border = members["resolution"], members.get("border")
         self.say("done", of=number)
@@ -116,16 +128,25 @@ class FakeCore:
                     break
             if sample in (first + 1, end):
                 self.fill(x0, y0, x1, y1, width, height)
-            self.say("progress", sample=sample, samples=end - first, seconds=0.1, remaining=1.0, text="fake")
+            self.say(
+                "progress",
+                sample=sample,
+                samples=end - first,
+                seconds=0.1,
+                remaining=1.0,
+                text="fake",
+            )
             self.say("tile", rect=[0, 0, x1 - x0, y1 - y0], samples=sample)
         self.say("finished", samples=sample, cancelled=cancelled, report=["a ramp"])
 
     def fill(self, x0, y0, x1, y1, width, height):
         with mmap.mmap(self.film_fd, 16 * (x1 - x0) * (y1 - y0)) as film:
             for y in range(y0, y1):
-                row = b"".join(struct.pack("<4f", (x + 0.5) / width, (y + 0.5) / height, 0.25, 1)
-                               for x in range(x0, x1))
-                film[(y - y0) * len(row):(y - y0 + 1) * len(row)] = row
+                row = b"".join(
+                    struct.pack("<4f", (x + 0.5) / width, (y + 0.5) / height, 0.25, 1)
+                    for x in range(x0, x1)
+                )
+                film[(y - y0) * len(row) : (y - y0 + 1) * len(row)] = row
 
 
 if __name__ == "__main__":

@@ -1,13 +1,14 @@
-"""Runs inside Blender, before the code of a test: registers the add-on of the checkout and gives that code its tools."""
+"""Runs inside Blender, before the code of a test: registers the add-on of the checkout and gives
+that code its tools."""
 
 import json
-import math
+import math  # noqa: F401  the tests use what is imported here
 import os
 import sys
 from array import array
 
 import bpy
-from mathutils import Matrix, Vector
+from mathutils import Matrix, Vector  # noqa: F401
 
 sys.path.insert(0, os.environ["ROOT"])
 TMP = os.environ["TMP_PATH"]
@@ -43,7 +44,9 @@ def add(name, data, location=(0, 0, 0)):
     return shown
 
 
-def add_mesh(name="Quad", vertices=((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), faces=((0, 1, 2, 3),)):
+def add_mesh(
+    name="Quad", vertices=((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), faces=((0, 1, 2, 3),)
+):
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(vertices, [], faces)
     return add(name, mesh)
@@ -75,7 +78,7 @@ def blob(frames, message, object_name, member, kind):
     for name, members, area in frames:
         if name == message and members["name"] == object_name:
             at = members[member]["at"]
-            return list(array(kind, bytes(area[at:at + members[member]["bytes"]])))
+            return list(array(kind, bytes(area[at : at + members[member]["bytes"]])))
     raise KeyError(object_name)
 
 

@@ -53,7 +53,9 @@ def test_shared_memory_is_reused_only_after_the_core_has_read_it(tmp_path):
             client.send("image", pixels=stream.Blob(blob), thumbnail=stream.Blob(blob[:7]))
         client.wait_done()
     images = [frame for frame in frames(tmp_path) if frame["name"] == "image"]
-    assert [frame["crc"] for frame in images] == [[zlib.crc32(blob), zlib.crc32(blob[:7])] for blob in blobs]
+    assert [frame["crc"] for frame in images] == [
+        [zlib.crc32(blob), zlib.crc32(blob[:7])] for blob in blobs
+    ]
     assert all("shared" in frame["members"]["pixels"] for frame in images)
     assert all("at" in frame["members"]["thumbnail"] for frame in images)
 
@@ -61,10 +63,12 @@ def test_shared_memory_is_reused_only_after_the_core_has_read_it(tmp_path):
 def test_a_frame_larger_than_the_memory_travels_in_the_pipe(tmp_path):
     first, second = os.urandom(1 << 16), os.urandom(1 << 21)
     with Client(memory_bytes=1 << 17) as client:
-        client.send("image", a=stream.Blob(first), b=stream.Blob(second), c=stream.Blob(second[:1 << 17]))
+        client.send(
+            "image", a=stream.Blob(first), b=stream.Blob(second), c=stream.Blob(second[: 1 << 17])
+        )
         client.wait_done()
     frame = frames(tmp_path)[-1]
-    assert frame["crc"] == [zlib.crc32(blob) for blob in (first, second, second[:1 << 17])]
+    assert frame["crc"] == [zlib.crc32(blob) for blob in (first, second, second[: 1 << 17])]
 
 
 def test_a_flood_of_frames_and_answers_blocks_neither_side():
@@ -74,11 +78,14 @@ def test_a_flood_of_frames_and_answers_blocks_neither_side():
         client.wait_done()
 
 
-@pytest.mark.parametrize("fault, said", [
-    ("die-at=mesh", "The core ended with status 3: fake core: out of paper"),
-    ("kill-at=mesh", "The core was killed by SIGKILL without a word"),
-    ("error-at=mesh", "Cube: index: entry 7 is 9 of 8 vertices"),
-])
+@pytest.mark.parametrize(
+    "fault, said",
+    [
+        ("die-at=mesh", "The core ended with status 3: fake core: out of paper"),
+        ("kill-at=mesh", "The core was killed by SIGKILL without a word"),
+        ("error-at=mesh", "Cube: index: entry 7 is 9 of 8 vertices"),
+    ],
+)
 def test_a_core_that_fails_says_why_in_one_line(core, fault, said):
     core.setenv("FAKE_CORE", fault)
     with Client() as client, pytest.raises(CoreError) as caught:
@@ -96,7 +103,9 @@ def test_a_core_killed_while_frames_are_written_raises(core):
 
 def test_what_is_no_core_is_named(core, tmp_path):
     babbler = tmp_path / "babbler"
-    babbler.write_text("#!/bin/sh\necho 'Usage: this is another program, and it does not speak the stream at all'\n")
+    babbler.write_text(
+        "#!/bin/sh\necho 'Usage: this is another program, it does not speak the stream at all'\n"
+    )
     babbler.chmod(0o755)
     core.setenv("STOKES_CORE", str(babbler))
     with pytest.raises(CoreError, match="The core"), Client() as client:
@@ -156,7 +165,11 @@ def test_the_core_is_sought_in_the_documented_order(core, tmp_path):
 
     core.setattr(find, "ADDON", str(tmp_path / "addon"))
     preference, named = make("elsewhere", "core"), make("named", "core")
-    beside, built, in_path = make("addon", "bin", "stokes"), make("build", "stokes"), make("path", "stokes")
+    beside, built, in_path = (
+        make("addon", "bin", "stokes"),
+        make("build", "stokes"),
+        make("path", "stokes"),
+    )
     core.setenv("STOKES_CORE", named)
     core.setenv("PATH", str(tmp_path / "path"))
     assert find.find_core(preference) == preference

@@ -15,20 +15,27 @@ def test_recorded_frames_read_back_as_sent(tmp_path):
     path = tmp_path / "scene.stokes"
     positions, uv = array("f", range(9)), array("f", range(5))
     with stream.Recorder(path) as out:
-        out.send("mesh", name="Würfel", positions=stream.Blob(positions), uv=[{"name": "a", "data": stream.Blob(uv)}])
+        out.send(
+            "mesh",
+            name="Würfel",
+            positions=stream.Blob(positions),
+            uv=[{"name": "a", "data": stream.Blob(uv)}],
+        )
         out.send("render", samples=[0, 4], film={"shared_fd": 3, "bytes": 4})
     hello, mesh, render = stream.read(path)
     assert hello[:2] == ("hello", {"version": 1, "client": stream.CLIENT})
     assert mesh[1]["name"] == "Würfel"
     for blob, sent in ((mesh[1]["positions"], positions), (mesh[1]["uv"][0]["data"], uv)):
         assert blob["at"] % 16 == 0
-        assert bytes(mesh[2][blob["at"]:blob["at"] + blob["bytes"]]) == sent.tobytes()
+        assert bytes(mesh[2][blob["at"] : blob["at"] + blob["bytes"]]) == sent.tobytes()
     assert render[1] == {"samples": [0, 4]}, "a live film is no part of a scene file"
 
 
 def test_every_part_of_a_frame_is_padded_to_16():
     for size in range(40):
-        frame = b"".join(stream.encode("image", {"pixels": stream.Blob(bytes(size)), "name": "x" * size}))
+        frame = b"".join(
+            stream.encode("image", {"pixels": stream.Blob(bytes(size)), "name": "x" * size})
+        )
         assert len(frame) % 16 == 0
         assert stream.decode(frame)[3] == len(frame)
 
@@ -69,8 +76,10 @@ def test_a_scene_of_three_lines_needs_no_blender(tmp_path):
         "import sys; sys.modules['bpy'] = None\n"  # importing bpy fails
         "from addon.core import stream\n"
         "with stream.Recorder(sys.argv[1]) as out:\n"
-        "    out.send('camera', kind='perspective', transform=stream.IDENTITY, frame=[-1, 1, -1, 1], resolution=[8, 8])\n"
-        "    out.send('render', samples=[0, 16])\n")
+        "    out.send('camera', kind='perspective', transform=stream.IDENTITY,\n"
+        "             frame=[-1, 1, -1, 1], resolution=[8, 8])\n"
+        "    out.send('render', samples=[0, 16])\n"
+    )
     path = tmp_path / "three.stokes"
     subprocess.run([sys.executable, "-c", script, str(path)], cwd=ROOT, check=True, timeout=20)
     assert [frame[0] for frame in stream.read(path)] == ["hello", "camera", "render"]

@@ -16,14 +16,23 @@ def error_of_ramp(told, full, border=None):
 
 
 def test_the_picture_is_upright_and_whole(host, tmp_path):
-    assert host.run(RAMP + """
+    assert (
+        host.run(
+            RAMP
+            + """
 empty_scene(size=(33, 17))
 tell(error_of_ramp(pixels(save_exr("a.exr")), (33, 17)))
-""", tmp_path) < 1e-5
+""",
+            tmp_path,
+        )
+        < 1e-5
+    )
 
 
 def test_a_border_is_a_part_of_the_full_frame(host, tmp_path):
-    cropped, full = host.run(RAMP + """
+    cropped, full = host.run(
+        RAMP
+        + """
 scene = empty_scene(size=(40, 20))
 scene.render.use_border = True
 scene.render.border_min_x, scene.render.border_max_x = 0.26, 0.77
@@ -34,14 +43,19 @@ scene.render.use_crop_to_border = False
 width, height, values = pixels(save_exr("full.exr"))
 inside = values[4 * (5 * width + 15)]
 tell([cropped, [width, height, inside, values[0]]])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert cropped < 1e-5
     assert full[:2] == [40, 20] and full[2] == pytest.approx(15.5 / 40) and full[3] == 0
 
 
 def test_every_border_has_blenders_own_size(host, tmp_path):
-    """Sizes and borders that round differently: the picture must fit Blender's, whatever its rule."""
-    assert host.run("""
+    """Sizes and borders that round differently: the picture must fit Blender's, whatever its
+    rule."""
+    assert (
+        host.run(
+            """
 scene = empty_scene(samples=1)
 scene.render.use_border = scene.render.use_crop_to_border = True
 number = 0
@@ -55,23 +69,31 @@ for size in ((97, 53), (100, 100), (203, 101)):
             bpy.ops.render.render()
             number += 1
 tell(number)
-""", tmp_path) == 18
+""",
+            tmp_path,
+        )
+        == 18
+    )
 
 
 def test_each_view_layer_is_rendered(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 scene.view_layers.new("Second")
 os.environ["STOKES_RECORD"] = os.path.join(TMP, "layers.stokes")
 bpy.ops.render.render()
 tell(sorted(messages(stream.read(os.path.join(TMP, name)), "render")[0]["layer"]
             for name in os.listdir(TMP) if name.endswith(".stokes")))
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert told == ["Second", "ViewLayer"]
 
 
 def test_an_animation_renders_each_frame_at_its_time(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene(size=(4, 4))
 scene.frame_start, scene.frame_end = 1, 3
 shown = add_mesh()
@@ -81,19 +103,26 @@ for frame in (1, 3):
 scene.stokes.use_record, scene.stokes.record_path = True, os.path.join(TMP, "f##.stokes")
 scene.render.filepath = os.path.join(TMP, "frame")
 bpy.ops.render.render(animation=True)
-tell([blob(stream.read(os.path.join(TMP, "f%02d.stokes" % frame)), "instances", "Quad", "transforms", "f")[3]
+tell([blob(stream.read(os.path.join(TMP, "f%02d.stokes" % frame)), "instances", "Quad",
+"transforms", "f")[3]
       for frame in (1, 2, 3)])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert told == pytest.approx([1, 2, 3])
 
 
-@pytest.mark.parametrize("fault, said", [
-    ("die-at=mesh", "The core ended with status 3: fake core: out of paper"),
-    ("kill-at=render", "The core was killed by SIGKILL"),
-    ("error-at=mesh", "Quad: index: entry 7 is 9 of 8 vertices"),
-])
+@pytest.mark.parametrize(
+    "fault, said",
+    [
+        ("die-at=mesh", "The core ended with status 3: fake core: out of paper"),
+        ("kill-at=render", "The core was killed by SIGKILL"),
+        ("error-at=mesh", "Quad: index: entry 7 is 9 of 8 vertices"),
+    ],
+)
 def test_a_failing_core_is_one_error_and_no_file(host, tmp_path, fault, said):
-    told = host.run("""
+    told = host.run(
+        """
 empty_scene()
 add_mesh()
 try:
@@ -101,59 +130,98 @@ try:
     tell("rendered")
 except RuntimeError as error:
     tell([str(error), os.path.exists(os.path.join(TMP, "never.exr"))])
-""", tmp_path, env={"FAKE_CORE": fault}, status=None)
+""",
+        tmp_path,
+        env={"FAKE_CORE": fault},
+        status=None,
+    )
     assert said in told[0] and told[1] is False
 
 
 def test_a_missing_core_is_one_error(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 empty_scene()
 try:
     bpy.ops.render.render()
 except RuntimeError as error:
     tell(str(error))
-""", tmp_path, env={"STOKES_CORE": "/nowhere/stokes"}, status=None)
+""",
+        tmp_path,
+        env={"STOKES_CORE": "/nowhere/stokes"},
+        status=None,
+    )
     assert "$STOKES_CORE names no file: /nowhere/stokes" in told
 
 
 def test_strict_makes_a_warning_an_error(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 empty_scene().camera.data.type = 'PANO'
 try:
     bpy.ops.render.render()
 except RuntimeError as error:
     tell(str(error))
-""", tmp_path, env={"STOKES_STRICT": "1"}, status=None)
+""",
+        tmp_path,
+        env={"STOKES_STRICT": "1"},
+        status=None,
+    )
     assert "Camera: type: a panoramic camera" in told
 
 
 def test_a_batch_render_that_fails_ends_with_status_1_and_no_file(tmp_path):
     from conftest import Host, _command, FAKE_CORE, ROOT
     import os
+
     command = _command("3.4")
     if not command:
         pytest.skip("Blender 3.4 is not installed")
-    told = Host("3.4", command).run("""
+    told = Host("3.4", command).run(
+        """
 empty_scene()
 bpy.ops.wm.save_as_mainfile(filepath=os.path.join(TMP, "scene.blend"))
 tell("saved")
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert told == "saved"
     register = tmp_path / "register.py"
-    register.write_text("import sys; sys.path.insert(0, %r); import addon; addon.register()" % str(ROOT))
+    register.write_text(
+        "import sys; sys.path.insert(0, %r); import addon; addon.register()" % str(ROOT)
+    )
     for fault, status in (("", 0), ("die-at=render", 1)):
         done = subprocess.run(
-            [command[0], "-b", str(tmp_path / "scene.blend"), "--python", str(register), "-E", "STOKES",
-             "-o", str(tmp_path / ("out" + str(status))), "-F", "PNG", "-f", "1"],
-            env=dict(os.environ, STOKES_CORE=str(FAKE_CORE), FAKE_CORE=fault), timeout=60,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            [
+                command[0],
+                "-b",
+                str(tmp_path / "scene.blend"),
+                "--python",
+                str(register),
+                "-E",
+                "STOKES",
+                "-o",
+                str(tmp_path / ("out" + str(status))),
+                "-F",
+                "PNG",
+                "-f",
+                "1",
+            ],
+            env=dict(os.environ, STOKES_CORE=str(FAKE_CORE), FAKE_CORE=fault),
+            timeout=60,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
         assert done.returncode == status, done.stdout
         assert (tmp_path / ("out%d0001.png" % status)).exists() == (status == 0), done.stdout
 
 
 def test_a_material_preview_is_quick_and_upright(host, tmp_path):
-    """Debian's 3.4.1 crashes at exit after any preview, with Cycles too: its status is not looked at."""
-    told = host.run("""
+    """Debian's 3.4.1 crashes at exit after any preview, with Cycles too: its status is not looked
+    at."""
+    told = host.run(
+        """
 import time
 scene = empty_scene()
 material = bpy.data.materials.new("Shown")
@@ -167,21 +235,29 @@ while not (os.path.exists(log) and '"render"' in open(log).read()) and time.time
 frames = [json.loads(line) for line in open(os.path.join(TMP, "log"))]
 settings = [f["members"] for f in frames if f["name"] == "settings"][-1]
 camera = [f["members"] for f in frames if f["name"] == "camera"][-1]
-tell([time.time() - start, list(material.preview.image_size), settings["d0"], settings["shrink"], camera["resolution"]])
-""", tmp_path, status=0 if host.version > (3, 4) else None)
+tell([time.time() - start, list(material.preview.image_size), settings["d0"], settings["shrink"],
+camera["resolution"]])
+""",
+        tmp_path,
+        status=0 if host.version > (3, 4) else None,
+    )
     seconds, size, d0, shrink, resolution = told
     assert size[0] > 0 and seconds < 10 and (d0, shrink) == (100, 0)
     assert resolution[0] == resolution[1] <= 256
 
 
 def test_registering_takes_no_time_and_starts_nothing(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 import time
 addon.unregister()
 start = time.perf_counter()
 addon.register()
 tell([time.perf_counter() - start, os.path.exists(os.path.join(TMP, "log"))])
-""", tmp_path, env={"FAKE_CORE_LOG": str(tmp_path / "log")})
+""",
+        tmp_path,
+        env={"FAKE_CORE_LOG": str(tmp_path / "log")},
+    )
     assert told[0] < 0.2 and not told[1]  # 50 ms is the aim; a busy machine may take longer
 
 

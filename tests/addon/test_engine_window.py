@@ -19,18 +19,44 @@ def run_in_window(code, tmp_path, fault=""):
     script = tmp_path / "script.py"
     script.write_text(INSIDE.read_text() + "\n\n" + code)
     process = subprocess.Popen(
-        [XVFB, "-a", BLENDER, "--factory-startup", "-p", "0", "0", "640", "480", "--python", str(script)],
-        env=dict(os.environ, STOKES_CORE=str(FAKE_CORE), TMP_PATH=str(tmp_path), ROOT=str(ROOT), FAKE_CORE=fault,
-                 FAKE_CORE_LOG=str(tmp_path / "log"), LIBGL_ALWAYS_SOFTWARE="1"),
-        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
-        start_new_session=True)
+        [
+            XVFB,
+            "-a",
+            BLENDER,
+            "--factory-startup",
+            "-p",
+            "0",
+            "0",
+            "640",
+            "480",
+            "--python",
+            str(script),
+        ],
+        env=dict(
+            os.environ,
+            STOKES_CORE=str(FAKE_CORE),
+            TMP_PATH=str(tmp_path),
+            ROOT=str(ROOT),
+            FAKE_CORE=fault,
+            FAKE_CORE_LOG=str(tmp_path / "log"),
+            LIBGL_ALWAYS_SOFTWARE="1",
+        ),
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    )
     try:
         output = process.communicate(timeout=90)[0]
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)  # xvfb-run alone would leave Blender and its server behind
+        os.killpg(
+            process.pid, signal.SIGKILL
+        )  # xvfb-run alone would leave Blender and its server behind
         output = process.communicate()[0]
     assert "Traceback" not in output, output
-    told = [json.loads(line[len(MARK):]) for line in output.splitlines() if line.startswith(MARK)]
+    told = [json.loads(line[len(MARK) :]) for line in output.splitlines() if line.startswith(MARK)]
     assert told, output
     return told[-1]
 
@@ -41,7 +67,8 @@ def frames(tmp_path):
 
 @pytest.mark.skipif(not KEYS, reason="xdotool is not installed")
 def test_esc_cancels_within_100_ms_and_keeps_the_picture(tmp_path):
-    told = run_in_window("""
+    told = run_in_window(
+        """
 import time
 import subprocess
 scene = empty_scene(samples=100000, size=(32, 32))
@@ -72,29 +99,38 @@ def step():
     return 0.02
 
 bpy.app.timers.register(step, first_interval=0.5)
-""", tmp_path, "slow")
+""",
+        tmp_path,
+        "slow",
+    )
     pressed, ended, brightest = told
     cancel = [frame["at"] for frame in frames(tmp_path) if frame["name"] == "cancel"]
     print("Esc to cancel %.3f s, to the end %.3f s" % (cancel[0] - pressed, ended - pressed))
-    assert cancel[0] - pressed < 0.25  # 100 ms of ours and Blender's own way from the key to the flag
+    assert (
+        cancel[0] - pressed < 0.25
+    )  # 100 ms of ours and Blender's own way from the key to the flag
     assert ended - pressed < 2 and brightest > 0.1
 
 
 def test_one_thread_stays_free_for_the_window(tmp_path):
-    run_in_window("""
+    run_in_window(
+        """
 scene = empty_scene(size=(8, 8))
 def step():
     bpy.ops.render.render()
     tell(1)
     os._exit(0)
 bpy.app.timers.register(step, first_interval=0.5)
-""", tmp_path)
+""",
+        tmp_path,
+    )
     settings = next(frame["members"] for frame in frames(tmp_path) if frame["name"] == "settings")
     assert settings["threads"] == max(1, os.cpu_count() - 1)
 
 
 def test_the_rendered_viewport_says_its_line_and_survives_changes(tmp_path):
-    told = run_in_window("""
+    told = run_in_window(
+        """
 scene = empty_scene()
 scene.render.engine = 'STOKES'
 drawn = []
@@ -125,5 +161,7 @@ def step():
     return 0.2
 
 bpy.app.timers.register(step, first_interval=0.5)
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert told >= 2 and not (tmp_path / "log").exists()

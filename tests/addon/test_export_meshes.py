@@ -6,7 +6,8 @@ from conftest import ROOT
 
 
 def test_a_quad_arrives_with_its_positions_corners_and_material(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 add_mesh()
 frames = render_frames()
@@ -18,7 +19,9 @@ tell({"positions": blob(frames, "mesh", "Quad", "positions", "f"),
       "flat": "corner_normals" not in mesh,
       "instances": messages(frames, "instances"),
       "transforms": blob(frames, "instances", "Quad", "transforms", "f")})
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert told["positions"] == [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]
     assert sorted(told["triangles"]) == [0, 0, 1, 2, 2, 3] and told["corners"] == told["triangles"]
     assert told["slots"] == [0, 0] and told["flat"]
@@ -27,7 +30,8 @@ tell({"positions": blob(frames, "mesh", "Quad", "positions", "f"),
 
 
 def test_smooth_normals_differ_from_flat_ones_and_follow_custom_normals(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 roof = ((0, 0, 0), (1, 0, 1), (2, 0, 0), (0, 1, 0), (1, 1, 1), (2, 1, 0))
 for name in ("Flat", "Smooth", "Custom"):
@@ -40,17 +44,22 @@ for name in ("Flat", "Smooth", "Custom"):
 frames = render_frames()
 tell({m["name"]: "corner_normals" in m and blob(frames, "mesh", m["name"], "corner_normals", "f")
       for m in messages(frames, "mesh")})
-""", tmp_path)
+""",
+        tmp_path,
+    )
     custom, flat, smooth = told["Custom"], told["Flat"], told["Smooth"]
     assert flat is False
     assert len(smooth) == 3 * 8
-    ridge = [smooth[3 * corner:3 * corner + 3] for corner in (1, 2, 4, 7)]  # corners on the ridge look up
+    ridge = [
+        smooth[3 * corner : 3 * corner + 3] for corner in (1, 2, 4, 7)
+    ]  # corners on the ridge look up
     assert all(abs(n[0]) < 1e-3 and n[2] > 0.999 for n in ridge), ridge
     assert all(abs(custom[3 * c + 2] - 1) < 1e-3 for c in range(8)), custom
 
 
 def test_uv_layers_come_with_the_rendered_one_first(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 mesh = add_mesh().data
 for name in ("first", "second"):
@@ -62,12 +71,15 @@ frames = render_frames()
 name, members, area = next(frame for frame in frames if frame[0] == "mesh")
 at = members["uv"][0]["data"]["at"]
 tell([[layer["name"] for layer in members["uv"]], list(array("f", bytes(area[at:at + 32])))])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert told == [["second", "first"], [0, 20, 1, 20, 2, 20, 3, 20]]
 
 
 def test_linked_duplicates_share_one_mesh_and_modified_ones_do_not(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 first = add_mesh()
 for number in range(1, 4):
@@ -78,13 +90,17 @@ frames = render_frames()
 counts = {m["name"]: len(blob(frames, "instances", m["name"], "transforms", "f")) // 12
           for m in messages(frames, "instances")}
 tell([len(messages(frames, "mesh")), sorted(counts.values()),
-      sorted(len(blob(frames, "mesh", m["name"], "triangles", "I")) // 3 for m in messages(frames, "mesh"))])
-""", tmp_path)
+      sorted(len(blob(frames, "mesh", m["name"], "triangles", "I")) // 3
+             for m in messages(frames, "mesh"))])
+""",
+        tmp_path,
+    )
     assert told == [2, [1, 4], [2, 6]]
 
 
 def test_instances_of_vertices_and_collections_stand_where_blender_puts_them(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 child, parent = add_mesh("Child"), add_mesh("Parent")
 child.parent = parent
@@ -102,9 +118,11 @@ places = {}
 for m in messages(frames, "instances"):
     transforms = blob(frames, "instances", m["name"], "transforms", "f")
     places.setdefault(m["mesh"], []).extend(
-        [transforms[i + 3], transforms[i + 7], transforms[i + 11]] for i in range(0, len(transforms), 12))
+        transforms[i + 3:i + 12:4] for i in range(0, len(transforms), 12))
 tell([{mesh: sorted(where) for mesh, where in places.items()}, len(messages(frames, "mesh"))])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     places, meshes = told
     assert meshes == len(places) == 2
     assert places["Child"] == [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0]]
@@ -112,7 +130,8 @@ tell([{mesh: sorted(where) for mesh, where in places.items()}, len(messages(fram
 
 
 def test_particles_are_instances_of_one_mesh(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 shape, emitter = add_mesh("Shape"), add_mesh("Emitter")
 system = emitter.modifiers.new("particles", 'PARTICLE_SYSTEM').particle_system.settings
@@ -124,13 +143,17 @@ scene.frame_set(1)
 scene.frame_set(2)
 frames = render_frames()
 group = next(m for m in messages(frames, "instances") if m["mesh"] == "Shape")
-tell([len(messages(frames, "mesh")), len(blob(frames, "instances", group["name"], "transforms", "f")) // 12])
-""", tmp_path)
+tell([len(messages(frames, "mesh")),
+      len(blob(frames, "instances", group["name"], "transforms", "f")) // 12])
+""",
+        tmp_path,
+    )
     assert told == [2, 100]
 
 
 def test_curves_texts_surfaces_and_metaballs_arrive_as_meshes_with_their_material(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 for operator in (bpy.ops.curve.primitive_bezier_circle_add, bpy.ops.object.text_add,
                  bpy.ops.surface.primitive_nurbs_surface_sphere_add, bpy.ops.object.metaball_add):
@@ -141,13 +164,16 @@ bpy.data.objects["CURVE"].data.bevel_depth = 0.1
 frames = render_frames()
 tell([sorted((m["name"].split("#")[0], m["materials"]) for m in messages(frames, "instances")),
       len(messages(frames, "mesh"))])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     kinds = ["CURVE", "FONT", "META", "SURFACE"]
     assert told == [[[kind, [kind]] for kind in kinds], 4]
 
 
 def test_hidden_objects_stay_away_and_ray_visibility_comes_along(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 add_mesh("Hidden").hide_render = True
 add_mesh("Ghost").visible_camera = False
@@ -168,13 +194,20 @@ add("Speaker", bpy.data.speakers.new("Speaker"))
 frames = render_frames()
 tell({m["name"]: [[ray for ray, seen in m["visible"].items() if not seen], m["holdout"]]
       for m in messages(frames, "instances")})
-""", tmp_path)
-    assert told == {"Ghost": [["camera"], False], "Ghost2": [["shadow"], False], "Hole": [[], True],
-                    "Behind": [["camera"], False]}
+""",
+        tmp_path,
+    )
+    assert told == {
+        "Ghost": [["camera"], False],
+        "Ghost2": [["shadow"], False],
+        "Hole": [[], True],
+        "Behind": [["camera"], False],
+    }
 
 
 def test_slots_follow_their_link_and_high_indices_take_the_last(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 shown = add_mesh("Two", ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)), ((0, 1, 2), (0, 2, 3)))
 add_material("data", shown.data)
@@ -190,7 +223,9 @@ frames = render_frames()
 tell([{m["name"]: m["materials"] for m in messages(frames, "instances")},
       sorted(m["name"] for m in messages(frames, "material")),
       blob(frames, "mesh", "Two", "material_index", "I")])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     slots, materials, indices = told
     assert slots["Two"] == ["object", "other"] and slots["Plain"] == ["data", "other"]
     assert set(slots["High"]) == {"only"} and slots["High"]
@@ -198,20 +233,24 @@ tell([{m["name"]: m["materials"] for m in messages(frames, "instances")},
 
 
 def test_what_has_no_faces_is_left_out_and_what_is_not_rendered_is_named(host, tmp_path):
-    done = host.start("""
+    done = host.start(
+        """
 scene = empty_scene()
 add_mesh("Wire", ((0, 0, 0), (1, 0, 0)), ())
 bpy.ops.object.volume_add() if hasattr(bpy.ops.object, "volume_add") else None
 bpy.context.object.name = "Cloud"
 frames = render_frames()
 tell([messages(frames, "mesh"), messages(frames, "instances")])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert "TOLD [[], []]" in done.stdout, done.stdout
     assert "Cloud: type: volume is not rendered" in done.stdout
 
 
 def test_geometry_nodes_instances_share_a_mesh_and_keep_its_materials(host, tmp_path):
-    told = host.run("""
+    told = host.run(
+        """
 scene = empty_scene()
 base = add_mesh("Base")
 material = bpy.data.materials.new("Inner")
@@ -235,7 +274,9 @@ instances = messages(frames, "instances")
 tell([len(messages(frames, "mesh")), [m["materials"] for m in instances],
       [len(blob(frames, "instances", m["name"], "transforms", "f")) // 12 for m in instances],
       list(set(blob(frames, "mesh", messages(frames, "mesh")[0]["name"], "material_index", "I")))])
-""", tmp_path)
+""",
+        tmp_path,
+    )
     meshes, [materials], places, [index] = told
     assert meshes == 1 and places == [9] and materials[index] == "Inner"
 
@@ -244,7 +285,9 @@ def test_the_real_core_takes_what_artists_leave_lying_about(host, tmp_path):
     """Flat, mirrored and empty things, strange names: no error, and a picture."""
     if not (ROOT / "build" / "stokes").exists():
         pytest.skip("build/stokes is not built")
-    assert host.run("""
+    assert (
+        host.run(
+            """
 scene = empty_scene(size=(8, 8))
 add_mesh("Flat").scale = (1, 1, 0)
 add_mesh("Nothing").scale = (0, 0, 0)
@@ -261,4 +304,9 @@ twin.size = 0
 add("Twin", twin)
 bpy.ops.render.render()
 tell("rendered")
-""", tmp_path, env={"STOKES_CORE": str(ROOT / "build" / "stokes")}) == "rendered"
+""",
+            tmp_path,
+            env={"STOKES_CORE": str(ROOT / "build" / "stokes")},
+        )
+        == "rendered"
+    )
