@@ -73,9 +73,12 @@ told["transparent"] = surface(give(node("ShaderNodeBsdfTransparent"), Color=(.5,
 told["emission"] = surface(give(node("ShaderNodeEmission"), Color=(1, .5, 0, 1), Strength=3))
 glossy = node("ShaderNodeBsdfAnisotropic", distribution='GGX')
 told["glossy"] = surface(give(glossy, Anisotropy=0, Roughness=.25))
+many = node("ShaderNodeBsdfAnisotropic", distribution='MULTI_GGX')
+told["many"] = surface(give(many, Anisotropy=0))
 told["warnings"] = context.warnings
 tell(told)
 """)
+    model = {} if host.version >= (4, 0) else {"model": 3}
     assert found["diffuse"] == {
         "bsdf": "diffuse", "reflectance": {"rgb": [1, 0.5, 0.25]}, "roughness": 0.3}
     assert found["glass"]["ior"] == 1.7 and found["glass"]["lobes"] == "both"
@@ -84,7 +87,8 @@ tell(told)
     assert found["translucent"] == {"bsdf": "translucent", "reflectance": {"rgb": [0.8, 0.8, 0.8]}}
     assert found["transparent"] == {"bsdf": "transparent", "color": {"rgb": [0.5, 0.5, 0.5]}}
     assert found["emission"] == {"emission": {"rgb": [1, 0.5, 0], "scale": 3}, "two_sided": True}
-    assert found["glossy"] == {"bsdf": "glossy", "color": {"rgb": [0.8, 0.8, 0.8]}, "roughness": 0.25}
+    assert found["glossy"] == {"bsdf": "glossy", "color": {"rgb": [0.8, 0.8, 0.8]}, "roughness": 0.25, **model}
+    assert found["many"]["multi_scatter"] is True
     assert found["warnings"] == []
 
 

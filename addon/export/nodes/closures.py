@@ -7,14 +7,19 @@ from .textures import normal
 from .values import rgb_spectrum
 
 
-def _check_distribution(node, graph, roughness):
-    """Our microfacets are GGX with single scattering. Returns the roughness to use."""
-    distribution = getattr(node, "distribution", "GGX")
-    if distribution == "SHARP":
-        return 0.0
-    if distribution != "GGX" and roughness != 0.0:
+def microfacets(node, graph):
+    """Members of a BSDF of microfacets: ours are GGX, of before 4.0 (model 3) or since, with one
+    bounce between them or the light of many."""
+    distribution = getattr(node, "distribution", 'GGX')
+    roughness = 0.0 if distribution == 'SHARP' else graph.factor(node, "Roughness")
+    if distribution not in {'GGX', 'MULTI_GGX'} and roughness != 0.0:
         graph.warn(node, "the distribution %s is not supported yet; GGX is used" % distribution)
-    return roughness
+    members = {"roughness": roughness}
+    if graph.context.blender_version < (4, 0, 0):
+        members["model"] = 3
+    if distribution == 'MULTI_GGX':
+        members["multi_scatter"] = True
+    return members
 
 
 @translates("ShaderNodeBsdfDiffuse")
@@ -46,15 +51,16 @@ def glossy(node, graph):
         graph.warn(
             node, "anisotropy is not supported yet; the same roughness in all directions is used"
         )
-    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
     return graph.bsdf(
-        "glossy", color=graph.color(node, "Color"), roughness=roughness, normal=normal(node, graph)
+        "glossy",
+        color=graph.color(node, "Color"),
+        normal=normal(node, graph),
+        **microfacets(node, graph),
     )
 
 
 @translates("ShaderNodeBsdfGlass")
 def glass(node, graph):
-    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
     thin_film = graph.socket(node, "Thin Film Thickness")
     if thin_film is not None and (graph.is_linked(thin_film) or thin_film.default_value > 0.0):
         graph.warn(node, "the thin film is not supported yet; plain glass is used")
@@ -62,24 +68,23 @@ def glass(node, graph):
     return graph.bsdf(
         "dielectric",
         ior=graph.number(node, "IOR", low=0.2, high=8.0),
-        roughness=roughness,
         reflect_color=color,
         transmit_color=color,
         lobes="both",
         normal=normal(node, graph),
+        **microfacets(node, graph),
     )
 
 
 @translates("ShaderNodeBsdfRefraction")
 def refraction(node, graph):
-    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
     return graph.bsdf(
         "dielectric",
         ior=graph.number(node, "IOR", low=0.2, high=8.0),
-        roughness=roughness,
         transmit_color=graph.color(node, "Color"),
         lobes="refract",
         normal=normal(node, graph),
+        **microfacets(node, graph),
     )
 
 
@@ -93,12 +98,11 @@ def metallic(node, graph):
         graph.warn(
             node, "the edge tint is not supported yet; the base colour is used at every angle"
         )
-    roughness = _check_distribution(node, graph, graph.factor(node, "Roughness"))
     return graph.bsdf(
         "glossy",
         color=graph.color(node, "Base Color"),
-        roughness=roughness,
         normal=normal(node, graph),
+        **microfacets(node, graph),
     )
 
 
