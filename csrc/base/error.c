@@ -6,26 +6,37 @@
 
 #include "base/error.h"
 
-/* Drops a character that the buffer's end has cut in two. */
-static void trim_utf8(char *text)
+/* Bytes of the UTF-8 character at `c`: 0 if it is none, −1 if the text ends within it. */
+static int utf8_length(const unsigned char *c)
 {
-    size_t end = strlen(text), start = end;
-    while (start > 0 && ((unsigned char)text[start - 1] & 0xc0) == 0x80)
-        start--;
-    if (start == 0)
-        return;
-    unsigned char lead = (unsigned char)text[start - 1];
-    size_t wants = lead >= 0xf0 ? 3 : lead >= 0xe0 ? 2 : lead >= 0xc0 ? 1 : 0;
-    if (end - start < wants)
-        text[start - 1] = '\0';
+    int length = *c < 0x80                 ? 1
+                 : *c >= 0xc2 && *c < 0xe0 ? 2
+                 : (*c & 0xf0) == 0xe0     ? 3
+                 : *c >= 0xf0 && *c < 0xf5 ? 4
+                                           : 0;
+    for (int i = 1; i < length; i++)
+        if ((c[i] & 0xc0) != 0x80)
+            return c[i] ? 0 : -1;
+    bool overlong = (*c == 0xe0 && c[1] < 0xa0) || (*c == 0xf0 && c[1] < 0x90);
+    bool surrogate = *c == 0xed && c[1] >= 0xa0, beyond = *c == 0xf4 && c[1] >= 0x90;
+    return length > 2 && (overlong || surrogate || beyond) ? 0 : length;
 }
 
+/* Control characters become spaces, what is no UTF-8 question marks; a character that the buffer's end has cut goes. */
 static void one_line(char *text)
 {
-    for (char *c = text; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+    for (unsigned char *c = (unsigned char *)text; *c;) {
+        int length = utf8_length(c);
+        if (length < 0) {
+            *c = '\0';
+            return;
+        }
+        if (length == 0)
+            *c = '?';
+        else if (*c < 0x20 || *c == 0x7f)
             *c = ' ';
-    trim_utf8(text);
+        c += length > 0 ? length : 1;
+    }
 }
 
 bool fail(stokes_error *err, const char *object, const char *property, const char *format, ...)

@@ -22,6 +22,7 @@
 
 struct render {
     stokes_session *session;
+    struct session_settings settings; /* with the overrides */
     struct integrator *integrator;
     struct film *film, *pass;
     struct working_space *space;
@@ -61,7 +62,7 @@ static void tell_progress(struct render *render, bool always)
     size_t done = atomic_load_explicit(&render->units_done, memory_order_relaxed);
     double seconds = now - render->start, share = (double)done / ((double)render->units * samples);
     double remaining = share > 0 ? seconds / share - seconds : -1;
-    double limit = render->session->rendered.time_limit_s;
+    double limit = render->settings.time_limit_s;
     if (limit > 0 && (remaining < 0 || remaining > limit - seconds))
         remaining = fmax(0, limit - seconds);
     listener->progress(listener->user, (int)(done / render->units), samples, seconds, remaining);
@@ -141,7 +142,7 @@ static bool merge_batch(struct render *render, int passes, stokes_error *err)
 static int batch_passes(const struct render *render, int last, double pass_s)
 {
     double target = fmin(fmax(BATCH_MIN_S, render->merge_s * MERGE_SHARE), BATCH_MAX_S);
-    double limit = render->session->rendered.time_limit_s;
+    double limit = render->settings.time_limit_s;
     if (limit > 0)
         target = fmin(target, limit - (os_seconds() - render->start));
     double fits = fmin(target / fmax(pass_s, 1e-9), 2.0 * last);
@@ -151,7 +152,7 @@ static int batch_passes(const struct render *render, int last, double pass_s)
 
 static bool out_of_time(const struct render *render, double pass_s)
 {
-    double limit = render->session->rendered.time_limit_s;
+    double limit = render->settings.time_limit_s;
     return limit > 0 && os_seconds() - render->start + pass_s > limit;
 }
 
@@ -246,9 +247,13 @@ static bool check_picture(const struct render *render, size_t floats, stokes_err
 static bool prepare(struct render *render, size_t picture_floats, stokes_error *err)
 {
     stokes_session *session = render->session;
-    const struct integrator_settings *s = &session->rendered.integrator;
-    if (!commit_scene(session, &session->rendered, err) || !make_films(render, s, err) ||
-        !check_picture(render, picture_floats, err))
+    const struct integrator_settings *s = &render->settings.integrator;
+    if (!commit_scene(session, &render->settings, err))
+        return false;
+    /* The last picture goes first: with spectral bins a film is large. */
+    film_destroy(session->film);
+    session->film = NULL;
+    if (!make_films(render, s, err) || !check_picture(render, picture_floats, err))
         return false;
     render->integrator =
         integrator_create(s, session->scene, render->pass, render->threads, session_warn, session, err);
@@ -265,7 +270,7 @@ static void finish(struct render *render)
     int samples = render->film->end_sample - render->first_sample;
     session->seconds = os_seconds() - render->start;
     session->cancelled = atomic_load(&render->stopped);
-    film_destroy(session->film);
+    session->rendered = render->settings;
     session->film = render->film;
     render->film = NULL;
     session_fingerprint(session, &session->rendered, session->fingerprint);
@@ -277,13 +282,14 @@ static void finish(struct render *render)
 bool stokes_session_render(stokes_session *session, const stokes_overrides *overrides, float *picture,
                            size_t picture_floats, stokes_error *err)
 {
-    struct session_settings settings = session->settings;
-    struct render render = {.session = session, .space = &session->color.working_space, .picture = picture};
-    if ((overrides && !session_settings_override(&settings, overrides, err)) ||
+    struct render render = {.session = session,
+                            .settings = session->settings,
+                            .space = &session->color.working_space,
+                            .picture = picture};
+    if ((overrides && !session_settings_override(&render.settings, overrides, err)) ||
         !pick_samples(&render, overrides, err))
         return false;
-    session->rendered = settings;
-    render.threads = session_threads(&settings);
+    render.threads = session_threads(&render.settings);
     bool good = prepare(&render, picture_floats, err);
     render.start = os_seconds();
     good = good && trace_passes(&render, err);

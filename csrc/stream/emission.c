@@ -114,6 +114,10 @@ static struct spectrum *read_emission_sum(const struct place *place, int depth)
     if (!place_is(place, JSON_ARRAY))
         return NULL;
     size_t count = json_array_size(place->value);
+    if (count > EXPRESSION_TERMS) {
+        place_fail(place, "has %zu terms; at most %d are taken", count, EXPRESSION_TERMS);
+        return NULL;
+    }
     struct spectrum *all = spectrum_constant(message_range(place->message), 0);
     for (size_t i = 0; all && i < count; i++) {
         struct place element = place_element(place, i);

@@ -7,6 +7,7 @@
 #include "stream/members.h"
 
 #define EXPRESSION_DEPTH 64
+#define EXPRESSION_TERMS 256 /* of a sum or a product */
 
 /* S without textures. `beyond`: what a table says outside its own wavelengths. */
 struct spectrum *read_spectrum(const struct place *, enum beyond, int depth);

@@ -7,7 +7,7 @@
 #include "stream/expressions.h"
 
 #define LAMBDA_MAX_NM 1e6
-#define KNOTS_MAX ((size_t)1 << 20)
+#define KNOTS_MAX ((size_t)1 << 16)
 
 struct range message_range(const struct message *message)
 {
@@ -170,8 +170,10 @@ static struct spectrum *read_list(const struct place *place, enum beyond beyond,
     size_t count = json_array_size(place->value);
     struct spectrum *all = NULL;
     stokes_error why = {0};
-    if (count == 0)
-        place_fail(place, "is empty");
+    if (count < 1 || count > EXPRESSION_TERMS) {
+        place_fail(place, "has %zu terms; 1 to %d are taken", count, EXPRESSION_TERMS);
+        return NULL;
+    }
     for (size_t i = 0; i < count; i++) {
         struct place element = place_element(place, i);
         struct spectrum *next = read_spectrum(&element, beyond, depth - 1);

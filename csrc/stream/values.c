@@ -116,8 +116,8 @@ static struct value_node *read_product(const struct place *place, int depth)
     if (!place_is(place, JSON_ARRAY))
         return NULL;
     size_t count = json_array_size(place->value);
-    if (count < 1 || count > EXPRESSION_DEPTH) {
-        place_fail(place, "has %zu factors; 1 to %d are taken", count, EXPRESSION_DEPTH);
+    if (count < 1 || count > EXPRESSION_TERMS) {
+        place_fail(place, "has %zu factors; 1 to %d are taken", count, EXPRESSION_TERMS);
         return NULL;
     }
     for (size_t i = 0; i < count; i++) {

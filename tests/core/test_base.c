@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+#include <jansson.h>
 #undef fail /* cmocka's; ours fills an error */
 
 #include "base/error.h"
@@ -59,6 +60,20 @@ static void a_cut_error_stays_utf8(void **state)
             fail(&err, name, name, "%s%s", name, name);
             assert_true(is_utf8(err.object) && is_utf8(err.property) && is_utf8(err.text));
             assert_true(strlen(err.object) + 4 >= sizeof err.object - 1);
+        }
+}
+
+static void an_error_of_other_bytes_becomes_utf8(void **state)
+{
+    (void)state;
+    stokes_error err;
+    for (int lead = 0x80; lead < 0x100; lead++)
+        for (int next = 0; next < 0x100; next++) {
+            const char bytes[] = {'a', (char)lead, (char)next, 'b', (char)lead, 0};
+            fail(&err, bytes, "", "%s", "");
+            json_t *text = json_string(err.object); /* refuses what is no UTF-8 */
+            assert_non_null(text);
+            json_decref(text);
         }
 }
 
@@ -239,6 +254,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_error_is_one_line),
         cmocka_unit_test(a_cut_error_stays_utf8),
+        cmocka_unit_test(an_error_of_other_bytes_becomes_utf8),
         cmocka_unit_test(an_error_may_be_built_of_itself),
         cmocka_unit_test(every_unit_is_done_once),
         cmocka_unit_test(stopping_skips_the_rest),
