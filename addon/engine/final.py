@@ -38,10 +38,11 @@ def render(engine, depsgraph):
 
 
 def _fail(engine, text):
-    """Both are needed: report() gives exit status 1 and no file, error_set() ends the job in the
-    window."""
+    """report() gives exit status 1 and no file; error_set() puts the line over the picture in the
+    window (in a batch it would only say it twice)."""
     engine.report({'ERROR'}, text)
-    engine.error_set(text)
+    if not bpy.app.background:
+        engine.error_set(text)
 
 
 def _render(engine, depsgraph):

@@ -1,48 +1,51 @@
 """Cameras, lights, colour, images and settings: the numbers that Blender and Cycles mean."""
 
+import json
 import math
 
 import pytest
 
 CAMERA = """
 from bpy_extras.object_utils import world_to_camera_view
-scene = empty_scene(size=(%(size)s))
-shown = scene.camera
-place, turn = Matrix.Translation((1, -4, 2)), Matrix.Rotation(1.2, 4, 'X')
-shown.matrix_world = place @ turn @ Matrix.Diagonal((2, 3, 4, 1))
-camera = shown.data
-scene.render.pixel_aspect_x, scene.render.pixel_aspect_y = 1, 1
-%(code)s
-bpy.context.view_layer.update()
-members = messages(render_frames(), "camera")[0]
-points = [Vector(p) for p in ((0, 0, 0), (0.5, 0.3, 0.2), (-1, 1, 1))]
-rows = [members["transform"][i:i + 4] for i in (0, 4, 8)]
-inverse = Matrix(rows + [[0, 0, 0, 1]]).inverted()
-left, right, bottom, top = members["frame"]
-found = []
-for point in points:
-    p = inverse @ point
+POINTS = [Vector(p) for p in ((0, 0, 0), (0.5, 0.3, 0.2), (-1, 1, 1))]
+
+def through(members, point):
+    rows = [members["transform"][i:i + 4] for i in (0, 4, 8)]
+    p = Matrix(rows + [[0, 0, 0, 1]]).inverted() @ point
+    left, right, bottom, top = members["frame"]
     depth = -p.z if members["kind"] == "perspective" else 1
-    found.append([(p.x / depth - left) / (right - left), (p.y / depth - bottom) / (top - bottom)])
-tell([found, [list(world_to_camera_view(scene, shown, p))[:2] for p in points], members])
+    return [(p.x / depth - left) / (right - left), (p.y / depth - bottom) / (top - bottom)]
+
+told = []
+for size, code in json.loads(%r):
+    scene = empty_scene(size=size)
+    camera = scene.camera.data
+    place, turn = Matrix.Translation((1, -4, 2)), Matrix.Rotation(1.2, 4, 'X')
+    scene.camera.matrix_world = place @ turn @ Matrix.Diagonal((2, 3, 4, 1))
+    exec(code)
+    bpy.context.view_layer.update()
+    members = messages(render_frames(), "camera")[0]
+    told.append([code, [through(members, p) for p in POINTS],
+                 [list(world_to_camera_view(scene, scene.camera, p))[:2] for p in POINTS]])
+tell([told])
 """
 
+CAMERAS = [
+    [[16, 8], ""],
+    [[8, 16], "camera.lens = 24"],
+    [[16, 8], "camera.sensor_fit = 'VERTICAL'; camera.sensor_height = 20"],
+    [[16, 8], "camera.shift_x = 0.3; camera.shift_y = -0.2"],
+    [[16, 8], "camera.type = 'ORTHO'; camera.ortho_scale = 7; camera.shift_x = 0.1"],
+    [[16, 16], "scene.render.pixel_aspect_x = 2"],
+]
 
-@pytest.mark.parametrize(
-    "size, code",
-    [
-        ("16, 8", ""),
-        ("8, 16", "camera.lens = 24"),
-        ("16, 8", "camera.sensor_fit = 'VERTICAL'; camera.sensor_height = 20"),
-        ("16, 8", "camera.shift_x = 0.3; camera.shift_y = -0.2"),
-        ("16, 8", "camera.type = 'ORTHO'; camera.ortho_scale = 7; camera.shift_x = 0.1"),
-        ("16, 16", "scene.render.pixel_aspect_x = 2"),
-    ],
-)
-def test_points_project_where_blender_projects_them(host, tmp_path, size, code):
-    found, expected, _ = host.run(CAMERA % {"size": size, "code": code}, tmp_path)
-    for ours, blenders in zip(found, expected):
-        assert ours == pytest.approx(blenders, abs=1e-5)
+
+def test_points_project_where_blender_projects_them(host, tmp_path):
+    told = host.run(CAMERA % json.dumps(CAMERAS), tmp_path)[0]
+    assert len(told) == len(CAMERAS)
+    for code, found, expected in told:
+        for ours, blenders in zip(found, expected):
+            assert ours == pytest.approx(blenders, abs=1e-5), code
 
 
 def test_border_resolution_and_lens_are_in_pixels_and_metres(host, tmp_path):
