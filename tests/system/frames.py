@@ -91,8 +91,8 @@ def light(name="light", kind="rectangle", emission=None, **members):
     transform = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3]
     shape = {"rectangle": {"size": [1, 1]}, "sun": {"angle": 0.01}, "sphere": {"radius": 0.5}, "point": {},
              "ellipse": {"size": [1, 1]}, "spot": {"radius": 0.1, "angle": 1, "blend": 0.1}}[kind]
-    return frame("light", dict({"name": name, "kind": kind, "transform": transform,
-                                "emission": emission or {"rgb": [1, 1, 1], "scale": 5}}, **shape, **members))
+    return frame("light", {"name": name, "kind": kind, "transform": transform,
+                           "emission": emission or {"rgb": [1, 1, 1], "scale": 5}, **shape, **members})
 
 
 def world(emission):
