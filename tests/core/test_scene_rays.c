@@ -98,8 +98,9 @@ struct placed {
     struct vec3 world[3 * TRIANGLES * COPIES];
 };
 
-/* One mesh placed `copies` times: one copy is flattened, several are instances. */
-static struct placed *place(uint32_t copies, float size, float reach)
+/* One mesh placed `copies` times: one copy is flattened, several are instances. `stretch` flattens what the
+   rest of the transform has turned: along z, and by as much the other way along x. */
+static struct placed *place_stretched(uint32_t copies, float size, float reach, float stretch)
 {
     struct placed *placed = calloc(1, sizeof *placed);
     struct vec3 local[3 * TRIANGLES];
@@ -107,6 +108,10 @@ static struct placed *place(uint32_t copies, float size, float reach)
     placed->scene = scene_create();
     for (uint32_t c = 0; c < copies; c++) {
         placed->transform[c] = scenes_transform(100 + c, size, reach);
+        for (int i = 0; i < 3; i++) {
+            placed->transform[c].m[i] *= stretch;
+            placed->transform[c].m[8 + i] /= stretch;
+        }
         for (uint32_t i = 0; i < 3 * TRIANGLES; i++)
             placed->world[c * 3 * TRIANGLES + i] = transform_point(&placed->transform[c], local[i]);
     }
@@ -114,6 +119,11 @@ static struct placed *place(uint32_t copies, float size, float reach)
     scenes_instance(placed->scene, "instances", "mesh", "", placed->transform, copies);
     scenes_commit(placed->scene);
     return placed;
+}
+
+static struct placed *place(uint32_t copies, float size, float reach)
+{
+    return place_stretched(copies, size, reach, 1);
 }
 
 static void unplace(struct placed *placed)
@@ -198,8 +208,31 @@ static void normals_are_right_under_mirroring_transforms(void **state)
     }
 }
 
+static void check_offsets(const struct placed *placed, uint32_t copies, float size)
+{
+    int left = 0;
+    for (uint64_t i = 0; i < 3000; i++) {
+        const struct transform *transform = &placed->transform[(uint32_t)i % copies];
+        struct vec3 target = transform_point(transform, scale(scenes_direction(5, i), 0.8f));
+        struct vec3 from = along(target, scenes_direction(6, i), 5 * size);
+        struct ray ray = {from, normalize(sub(target, from)), 0, INFINITY, RAY_CAMERA};
+        struct hit hit, again;
+        const struct material *material;
+        if (!scene_intersect(placed->scene, &ray, &hit, &material))
+            continue;
+        struct vec3 away = scenes_direction(8, i);
+        struct ray next = {scene_offset(&hit, away), away, 0, INFINITY, RAY_DIFFUSE};
+        if (scene_intersect(placed->scene, &next, &again, &material))
+            assert_false(again.primitive == hit.primitive && again.instance == hit.instance);
+        assert_true(length(sub(next.origin, hit.position)) <=
+                    1.01f * hit.error + 1e-6f * length(hit.position));
+        left++;
+    }
+    assert_true(left > 100);
+}
+
 /* A ray that leaves a triangle by scene_offset does not meet that triangle again, near or far from the
-   origin, small or large. */
+   origin, small or large, flattened or not. */
 static void offset_rays_never_hit_their_own_triangle(void **state)
 {
     (void)state;
@@ -207,24 +240,29 @@ static void offset_rays_never_hit_their_own_triangle(void **state)
     for (uint32_t copies = 1; copies <= COPIES; copies += COPIES - 1)
         for (int k = 0; k < 9; k++) {
             struct placed *placed = place(copies, sizes[k / 3], reaches[k % 3]);
-            for (uint64_t i = 0; i < 3000; i++) {
-                uint32_t c = (uint32_t)i % copies;
-                struct vec3 target =
-                    transform_point(&placed->transform[c], scale(scenes_direction(5, i), 0.8f));
-                struct vec3 from = along(target, scenes_direction(6, i), 5 * sizes[k / 3]);
-                struct ray ray = {from, normalize(sub(target, from)), 0, INFINITY, RAY_CAMERA};
-                struct hit hit, again;
-                const struct material *material;
-                if (!scene_intersect(placed->scene, &ray, &hit, &material))
-                    continue;
-                struct vec3 away = scenes_direction(8, i);
-                struct ray next = {scene_offset(&hit, away), away, 0, INFINITY, RAY_DIFFUSE};
-                assert_true(hit.error < 1e-4f * (sizes[k / 3] + reaches[k % 3]));
-                if (scene_intersect(placed->scene, &next, &again, &material))
-                    assert_false(again.primitive == hit.primitive && again.instance == hit.instance);
-            }
+            check_offsets(placed, copies, sizes[k / 3]);
+            unplace(placed);
+            placed = place_stretched(copies, 1, reaches[k % 3], 100);
+            check_offsets(placed, copies, 1);
             unplace(placed);
         }
+}
+
+/* The bound is small where coordinates are: some millionths of them. */
+static void offsets_are_small(void **state)
+{
+    (void)state;
+    for (uint32_t copies = 1; copies <= COPIES; copies += COPIES - 1) {
+        struct placed *placed = place(copies, 1, 10);
+        for (uint64_t i = 0; i < 3000; i++) {
+            struct ray ray = random_ray(i, 20);
+            struct hit hit;
+            const struct material *material;
+            if (scene_intersect(placed->scene, &ray, &hit, &material))
+                assert_true(hit.error < 2e-4f);
+        }
+        unplace(placed);
+    }
 }
 
 /* The segment between two surface points, offset from both, is open unless something lies between them. */
@@ -345,6 +383,7 @@ int main(void)
         cmocka_unit_test(instances_are_hit_where_brute_force_says),
         cmocka_unit_test(normals_are_right_under_mirroring_transforms),
         cmocka_unit_test(offset_rays_never_hit_their_own_triangle),
+        cmocka_unit_test(offsets_are_small),
         cmocka_unit_test(visibility_agrees_with_brute_force),
         cmocka_unit_test(transparent_panes_multiply_their_transmittances),
         cmocka_unit_test(shadow_rays_see_panes_from_their_own_direction),
