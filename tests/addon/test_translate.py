@@ -338,6 +338,42 @@ tell(told)
     assert none == 0 and [warning[1].split(".")[0] for warning in warnings] == ["Math"]
 
 
+def test_colours_that_mix_by_a_mask_become_a_mix_of_closures(host, tmp_path):
+    """Exact, as a BSDF is linear in its colours; where nothing can be split, half of each is used and named."""
+    found = tell(host, tmp_path, """
+mask = textured()
+mix = give(node("ShaderNodeMixRGB"), Color1=(1, 0, 0, 1), Color2=(0, 0, 1, 1))
+link(mask, mix.inputs[0])
+shader = node("ShaderNodeBsdfDiffuse"); link(mix, shader.inputs[0])
+told = [surface(shader)]
+ramp = node("ShaderNodeValToRGB"); ramp.color_ramp.elements[0].color = (0, 1, 0, 1)
+link(mask, ramp.inputs[0]); link(ramp, shader.inputs[0])
+told.append(surface(shader))
+link(ramp, mix.inputs[1]); link(mix, shader.inputs[0])
+told.append(surface(shader))
+other = textured(); plain = give(node("ShaderNodeMixRGB"), Fac=.25)
+link(mask, plain.inputs[1]); link(other, plain.inputs[2]); link(plain, shader.inputs[0])
+told.append(surface(shader))
+told.append(len(context.warnings))
+for l in list(mix.inputs[1].links): tree.links.remove(l)
+gamma = node("ShaderNodeGamma"); link(mix, gamma.inputs[0]); link(gamma, shader.inputs[0])
+told.append(surface(shader)["reflectance"])
+told.append([warning[1:] for warning in context.warnings])
+tell(told)
+""")
+    mask = {"texture": {**found[0]["factor"]["texture"], "channel": "luminance"}}
+    colors = [side["reflectance"]["rgb"] for side in found[0]["mix"]]
+    assert found[0]["factor"] == mask and colors == [[1, 0, 0], [0, 0, 1]]
+    assert [side["reflectance"]["rgb"] for side in found[1]["mix"]] == [[0, 1, 0], [1, 1, 1]]
+    first, second = found[2]["mix"]
+    assert [side["reflectance"]["rgb"] for side in first["mix"]] == [[0, 1, 0], [0, 0, 1]]
+    assert [side["reflectance"]["rgb"] for side in second["mix"]] == [[1, 1, 1], [0, 0, 1]]
+    assert found[3]["factor"] == 0.25 and "texture" in found[3]["mix"][1]["reflectance"]
+    assert found[4] == 0
+    assert found[5] == {"rgb": [0.5, 0, 0.5]}
+    assert [warning[1] for warning in found[6]] == ["its factor cannot vary here; half of each is used"]
+
+
 def test_what_is_not_supported_is_named_with_what_is_used(host, tmp_path):
     found = tell(host, tmp_path, """
 noise = node("ShaderNodeTexNoise")

@@ -156,7 +156,7 @@ def emission(node, graph):
 
 def light_of(node, graph, color_name, strength_name):
     """L of a colour and a strength input."""
-    color = graph.value(graph.input(node, color_name))
+    color = graph.linear_value(node, graph.input(node, color_name))
     return graph.light(color, graph.number(node, strength_name, low=0.0), node)
 
 

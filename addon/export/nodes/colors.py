@@ -3,6 +3,7 @@
 import colorsys
 
 from .constant import are_constant, nearest, varying
+from .graph import decimal
 from .registry import evaluates
 from .values import (
     Constant,
@@ -20,7 +21,7 @@ def _on_constant_color(function):
     """Wraps f(node, graph, rgb) -> rgb for nodes with an input "Color"."""
 
     def evaluate(node, output, graph):
-        color = graph.value(graph.input(node, "Color"))
+        color = graph.plain_value(graph.input(node, "Color"))
         if not isinstance(color, Constant):
             return nearest(node, (color,), graph)
         return Constant(tuple(function(node, graph, as_rgb(color.value))))
@@ -83,10 +84,9 @@ def invert(node, output, graph):
 
 @evaluates("ShaderNodeValToRGB")
 def color_ramp(node, output, graph):
-    at = graph.value(graph.input(node, "Fac"))
+    at = graph.plain_value(graph.input(node, "Fac"))
     if not isinstance(at, Constant):
-        alpha_only = output.identifier == "Alpha"
-        remapped = None if alpha_only else _linear_ramp(node, at)
+        remapped = None if output.identifier == "Alpha" else _linear_ramp(node, graph, at)
         if remapped is not None:
             return remapped
         graph.warn(
@@ -97,17 +97,20 @@ def color_ramp(node, output, graph):
     return Constant(color[3]) if output.identifier == "Alpha" else Constant(tuple(color[:3]))
 
 
-def _linear_ramp(node, at):
-    """A ramp of two greys at 0 and 1 is a scale and an offset."""
-    elements = node.color_ramp.elements
-    if len(elements) != 2 or node.color_ramp.interpolation != 'LINEAR' or as_factor(at) is None:
+def _linear_ramp(node, graph, at):
+    """A ramp straight from 0 to 1 is a mix of its two colours; of two greys a scale and an
+    offset."""
+    ramp, factor = node.color_ramp, as_factor(at)
+    if factor is None or len(ramp.elements) != 2 or ramp.interpolation != 'LINEAR':
         return None
-    low, high = elements[0], elements[1]
-    if (low.position, high.position) != (0.0, 1.0) or not (
-        is_grey(low.color[:3]) and is_grey(high.color[:3])
-    ):
+    low, high = ramp.elements
+    if (low.position, high.position) != (0.0, 1.0) or ramp.color_mode != 'RGB':
         return None
-    return varying(scaled_offset(as_factor(at), high.color[0] - low.color[0], low.color[0]))
+    ends = [tuple(decimal(channel) for channel in end.color[:3]) for end in (low, high)]
+    mixed = graph.choose(node, factor, lambda: Constant(ends[0]), lambda: Constant(ends[1]))
+    if mixed is None and all(is_grey(end) for end in ends):
+        return varying(scaled_offset(factor, ends[1][0] - ends[0][0], ends[0][0]))
+    return mixed
 
 
 @evaluates("ShaderNodeRGBToBW")

@@ -37,6 +37,19 @@ _MEANS = {
 }
 
 
+SPLITS = 2  # colours of one BSDF that may mix by factors that vary: each doubles its lobes
+
+
+class Split(Exception):
+    """A colour mixes two by a factor that varies. BSDFs are linear in their colours, so the closure
+    around it becomes the same mix of two closures."""
+
+    def __init__(self, key, factor):
+        super().__init__()
+        self.key = key
+        self.factor = factor
+
+
 class Graph:
     """One walk: `owner` is the material, world or light that warnings name."""
 
@@ -44,6 +57,9 @@ class Graph:
         self.owner = owner
         self.context = context
         self.path = ()  # the groups that the walk is in, outermost first
+        self.sides = {}  # of colours that split the closure that is being translated: 0 or 1
+        self.in_closure = False  # somebody waits for a Split
+        self.may_split = False
 
     def warn(self, node, text):
         self.context.warn(self.owner, node.label or node.name, text)
@@ -121,7 +137,40 @@ class Graph:
             if translate is None:
                 self.warn(node, "is not known to Stokes; a grey diffuse surface is used")
                 return {"bsdf": "diffuse", "reflectance": rgb_spectrum(0.8)}
+            return self._translated(translate, node)
+
+    def _translated(self, translate, node):
+        """One closure, or the tree of closures into which its colours split it."""
+        outer, self.in_closure = self.in_closure, True
+        try:
             return translate(node, self)
+        except Split as split:
+            closures = []
+            for side in (0, 1):
+                self.sides[split.key] = side
+                closures.append(self._translated(translate, node))
+            del self.sides[split.key]
+            return {"mix": closures, "factor": split.factor}
+        finally:
+            self.in_closure = outer
+
+    @contextmanager
+    def splitting(self, may_split):
+        outer, self.may_split = self.may_split, may_split
+        try:
+            yield
+        finally:
+            self.may_split = outer
+
+    def choose(self, node, factor, first, second):
+        """first + factor · (second − first), where the factor varies: in each of two closures one
+        of the two. None if there can be no two closures here."""
+        key = (node.as_pointer(), tuple(group.as_pointer() for group in self.path))
+        if key in self.sides:
+            return second() if self.sides[key] else first()
+        if not self.may_split or len(self.sides) >= SPLITS or factor is None:
+            return None
+        raise Split(key, factor)
 
     @staticmethod
     def bsdf(name, normal=None, **members):
@@ -151,10 +200,26 @@ class Graph:
         self.warn(node, "is not supported yet; %s is used" % describe(instead))
         return instead
 
+    def linear_value(self, node, socket):
+        """What an input carries in which the closure is linear: it may split the closure."""
+        with self.splitting(self.in_closure):
+            value = self.value(socket)
+            if isinstance(value, Varying) and as_spectrum(value) is None:
+                grey = self.choose(
+                    socket, value.factor, lambda: Constant(0.0), lambda: Constant(1.0)
+                )
+                return value if grey is None else grey
+            return value
+
+    def plain_value(self, socket):
+        """What an input carries that says how, not how much."""
+        with self.splitting(False):
+            return self.value(socket)
+
     def color(self, node, *identifiers):
         """S of a colour input that reflects, lets through or absorbs: within 0 and 1."""
         socket = self.input(node, *identifiers)
-        value = self.value(socket)
+        value = self.linear_value(node, socket)
         spectrum = as_spectrum(value)
         if spectrum is None:
             return as_spectrum(self._instead(node, socket, "cannot vary like that"))
@@ -169,7 +234,7 @@ class Graph:
     def spectrum(self, node, *identifiers):
         """S of an input that takes no image."""
         socket = self.input(node, *identifiers)
-        value = self.value(socket)
+        value = self.plain_value(socket)
         if isinstance(value, (Constant, Spectral)):
             return self._within_one(node, socket, as_spectrum(value))
         return as_spectrum(self._instead(node, socket, "cannot vary over the surface"))
@@ -177,7 +242,7 @@ class Graph:
     def shape(self, node, *identifiers):
         """S of which only the shape counts, or None if there is nothing in it."""
         socket = self.input(node, *identifiers)
-        value = self.value(socket)
+        value = self.plain_value(socket)
         if not isinstance(value, (Constant, Spectral)):
             value = self._instead(node, socket, "cannot vary over the surface")
         if isinstance(value, Constant) and max(as_rgb(value.value)) <= 0.0:
@@ -202,7 +267,7 @@ class Graph:
     def factor(self, node, *identifiers):
         """V of a number input."""
         socket = self.input(node, *identifiers)
-        factor = as_factor(self.value(socket))
+        factor = as_factor(self.plain_value(socket))
         if factor is None:
             factor = as_number(self._instead(node, socket, "is a number, not a spectrum").value)
         return factor
@@ -211,7 +276,7 @@ class Graph:
         """A number input that must be the same all over the surface, and within what the core
         takes."""
         socket = self.input(node, *identifiers)
-        value = self.value(socket)
+        value = self.plain_value(socket)
         if not isinstance(value, Constant):
             value = self._instead(node, socket, "cannot vary over the surface")
         number = as_number(value.value)
@@ -224,7 +289,7 @@ class Graph:
     def vector(self, node, *identifiers):
         """Three numbers that must be the same all over the surface."""
         socket = self.input(node, *identifiers)
-        value = self.value(socket)
+        value = self.plain_value(socket)
         if not isinstance(value, Constant):
             value = self._instead(node, socket, "cannot vary over the surface")
         return as_rgb(value.value)

@@ -80,12 +80,16 @@ def blend(kind, factor, a, b):
 
 
 def _mix(node, graph, kind, factor, a, b):
-    """Mix of any two values by a factor that must be constant, or else the mix is cut at the
-    factor's middle."""
-    if not isinstance(factor, Constant):
-        graph.warn(
-            node, "a factor that varies mixes shaders, not colours, so far; half of each is used"
+    """Mix of any two values. By a factor that varies, and of images, the closure is mixed
+    instead."""
+    if kind not in _SCALED_BLENDS and not isinstance(factor, Constant):
+        mixed = graph.choose(
+            node, as_factor(factor), lambda: a, lambda: _mix(node, graph, kind, Constant(1.0), a, b)
         )
+        if mixed is not None:
+            return mixed
+    if not isinstance(factor, Constant):
+        graph.warn(node, "its factor cannot vary here; half of each is used")
         factor = Constant(0.5)
     share = min(1.0, max(0.0, as_number(factor.value)))
     if are_constant(a, b):
@@ -93,7 +97,8 @@ def _mix(node, graph, kind, factor, a, b):
     if kind == 'MIX' and share in (0.0, 1.0):
         return b if share else a
     if isinstance(a, Textured) or isinstance(b, Textured):
-        return _mix_texture(node, graph, kind, share, a, b)
+        mixed = graph.choose(node, share, lambda: a, lambda: b) if kind == 'MIX' else None
+        return mixed or _mix_texture(node, graph, kind, share, a, b)
     spectra = as_spectrum(a), as_spectrum(b)
     if kind not in {'MIX', 'ADD', 'MULTIPLY'} or None in spectra:
         return nearest(node, (a, b), graph)
@@ -131,7 +136,7 @@ def _mix_texture(node, graph, kind, share, a, b):
 def mix_rgb(node, output, graph):
     a, b = graph.value(graph.input(node, "Color1")), graph.value(graph.input(node, "Color2"))
     return clamped(
-        _mix(node, graph, node.blend_type, graph.value(graph.input(node, "Fac")), a, b),
+        _mix(node, graph, node.blend_type, graph.plain_value(graph.input(node, "Fac")), a, b),
         node.use_clamp,
     )
 
@@ -145,7 +150,7 @@ def mix(node, output, graph):
     factor_name = "Factor_Float"
     if suffix == "Vector" and node.factor_mode == 'NON_UNIFORM':
         graph.warn(node, "one factor for each axis is not supported; the first is used")
-    factor = graph.value(graph.input(node, factor_name))
+    factor = graph.plain_value(graph.input(node, factor_name))
     a, b = (graph.value(graph.input(node, "%s_%s" % (side, suffix))) for side in "AB")
     if suffix == "Float":
         return _mix_numbers(node, graph, factor, a, b)

@@ -78,7 +78,10 @@ def world(world, context):
     if world is None:
         return dict(_DARK)
     if not has_nodes(world):
-        return {"kind": "constant", "emission": {"rgb": [decimal(channel) for channel in world.color], "scale": 1.0}}
+        return {
+            "kind": "constant",
+            "emission": {"rgb": [decimal(channel) for channel in world.color], "scale": 1.0},
+        }
     output = world.node_tree.get_output_node('CYCLES')
     if output is None:
         return dict(_DARK)

@@ -4,7 +4,7 @@ identifiers."""
 from .closures import add, light_of
 from .registry import translates
 from .textures import normal
-from .values import Constant, as_number, as_rgb
+from .values import Constant, as_number
 
 # What we do not render: the socket (old, new name) and the part of the surface that it brings in.
 _NOT_YET = (
@@ -74,19 +74,12 @@ def _check_distribution(node, graph):
 
 def _glow(node, graph):
     """Emission is added to the surface; a strength of 0 leaves it out."""
-    names = ("Emission Color", "Emission")
-    color = graph.value(graph.input(node, *names))
-    if isinstance(color, Constant) and max(as_rgb(color.value)) <= 0.0:
+    name = "Emission Color" if graph.socket(node, "Emission Color") else "Emission"
+    if graph.number(node, "Emission Strength") <= 0.0:
         return None
-    strength = graph.number(node, "Emission Strength")
-    if strength <= 0.0:
-        return None
-    return {
-        "emission": light_of(
-            node, graph, names[0] if graph.socket(node, names[0]) else names[1], "Emission Strength"
-        ),
-        "two_sided": True,
-    }
+    light = light_of(node, graph, name, "Emission Strength")
+    is_black = max(light.get("rgb", (1.0,))) <= 0.0
+    return None if is_black else {"emission": light, "two_sided": True}
 
 
 def _with_coat(node, graph, surface):
