@@ -443,6 +443,27 @@ tell(told)
     assert found[3] == []
 
 
+def test_worlds_that_hide_behind_another_light_the_scene(host, tmp_path):
+    """Is Camera Ray mixes what is seen with what lights: the light is kept, and the node named."""
+    found = tell(host, tmp_path, """
+world = bpy.data.worlds.new("W"); world.use_nodes = True
+sky = world.node_tree
+lights, seen = node("ShaderNodeBackground", sky), node("ShaderNodeBackground", sky)
+give(lights, Color=(1, .5, .25, 1)); give(seen, Color=(0, 0, 1, 1))
+mix, path = node("ShaderNodeMixShader", sky), node("ShaderNodeLightPath", sky)
+link(path, mix.inputs[0], sky); link(lights, mix.inputs[1], sky); link(seen, mix.inputs[2], sky)
+link(mix, socket(sky.get_output_node('CYCLES'), "Surface"), sky)
+told = [translation.world(world, context), [warning[1] for warning in context.warnings]]
+image = node("ShaderNodeTexImage", sky, image=picture("Flat"))
+link(image, socket(lights, "Color"), sky)
+told.append(translation.world(world, context))
+tell(told)
+""")
+    assert found[0] == {"kind": "constant", "emission": {"rgb": [1, 0.5, 0.25], "scale": 1}}
+    assert found[1] == ["Light Path"]
+    assert found[2]["emission"]["rgb"] == [0.5, 0.5, 0.5]
+
+
 def test_lamps_multiply_their_colour_into_their_nodes(host, tmp_path):
     found = tell(host, tmp_path, """
 light = bpy.data.lights.new("L", 'POINT'); light.color = (1, .5, .25)

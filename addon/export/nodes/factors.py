@@ -6,10 +6,6 @@ from .graph import own_value
 from .registry import evaluates
 from .values import Constant, Varying, luminance
 
-# What Cycles' Light Path says of a ray from the camera.
-_CAMERA_RAY = {"Is Camera Ray": 1.0, "Ray Length": 1.0}
-
-
 @evaluates("ShaderNodeRGB", "ShaderNodeValue")
 def plain(node, output, graph):
     return own_value(output)
@@ -38,7 +34,8 @@ def geometry(node, output, graph):
 
 @evaluates("ShaderNodeLightPath")
 def light_path(node, output, graph):
-    value = _CAMERA_RAY.get(output.identifier, 0.0)
+    known = {"Is Camera Ray": graph.camera_ray, "Ray Length": 1.0}
+    value = known.get(output.identifier, 0.0)
     graph.warn(
         node, "%s is %g for every ray: light has one path, from both ends" % (output.name, value)
     )

@@ -58,6 +58,7 @@ class Graph:
         self.context = context
         self.path = ()  # the groups that the walk is in, outermost first
         self.sides = {}  # of colours that split the closure that is being translated: 0 or 1
+        self.camera_ray = 1.0  # what Light Path says of it
         self.in_closure = False  # somebody waits for a Split
         self.may_split = False
 

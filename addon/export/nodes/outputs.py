@@ -34,7 +34,11 @@ def surface(material, context):
         socket = graph.socket(output, name)
         if socket is not None and graph.is_linked(socket):
             graph.warn(output, text)
-    return graph.closure(graph.input(output, "Surface"))
+    shown = graph.input(output, "Surface")
+    volume = graph.socket(output, "Volume")
+    if not graph.is_linked(shown) and volume is not None and graph.is_linked(volume):
+        return {"bsdf": "transparent", "color": 1.0}  # the skin of a volume is not seen
+    return graph.closure(shown)
 
 
 def light_emission(light, context):
@@ -110,8 +114,16 @@ def _world_of(terms, graph, output):
         }
     if not terms.lights:
         return dict(_DARK)
-    emission = terms.lights[0] if len(terms.lights) == 1 else {"sum": terms.lights}
+    lights = [_untextured(light, graph, output) for light in terms.lights]
+    emission = lights[0] if len(lights) == 1 else {"sum": lights}
     return {"kind": "constant", "emission": emission}
+
+
+def _untextured(light, graph, output):
+    if "texture" not in light:
+        return light
+    graph.warn(output, "a plain image cannot light the world; grey 0.5 is used")
+    return {"rgb": [0.5, 0.5, 0.5], "scale": light["scale"]}
 
 
 class Terms:
@@ -119,6 +131,7 @@ class Terms:
 
     def __init__(self, graph):
         self.graph = graph
+        graph.camera_ray = 0.0  # what lights the scene counts for more than what is seen behind it
         self.lights = []  # L
         self.maps = []  # Environment
 
