@@ -4,11 +4,13 @@
 
 #include "integrator/path.h"
 
+/* `passed`: the ray went through transparent surfaces since the last vertex. */
+
 /* Lamps along the segment `ray` of worker->camera's next edge and, if it goes to infinity, the world and suns. */
 void gather_lamps(const struct integrator *, struct worker *, const struct ray *, double throughput,
-                  bool to_infinity);
+                  bool passed, bool to_infinity);
 /* An emitting surface at the end of that edge. */
 void gather_surface(const struct integrator *, struct worker *, const struct hit *, struct vec3 direction,
-                    double throughput);
+                    double throughput, bool passed);
 
 #endif

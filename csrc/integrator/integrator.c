@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "integrator/connect.h"
+#include "integrator/exact.h"
 #include "integrator/kinds.h"
 #include "integrator/path.h"
 
@@ -102,8 +103,9 @@ static bool create_workers(struct integrator *it, stokes_error *err)
         struct worker *w = &it->worker[i];
         w->camera.vertex = calloc(PATH_VERTICES, sizeof *w->camera.vertex);
         w->light.vertex = calloc(PATH_VERTICES, sizeof *w->light.vertex);
+        w->copy.vertex = calloc(PATH_VERTICES, sizeof *w->copy.vertex);
         w->gathered.bin = it->film->bins ? calloc((size_t)it->film->bins, sizeof *w->gathered.bin) : NULL;
-        if (!w->camera.vertex || !w->light.vertex || (it->film->bins && !w->gathered.bin))
+        if (!w->camera.vertex || !w->light.vertex || !w->copy.vertex || (it->film->bins && !w->gathered.bin))
             return fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
     }
     return it->worker || fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
@@ -128,6 +130,7 @@ struct integrator *integrator_create(const struct integrator_settings *settings,
     }
     it->settings = *settings;
     it->settings.name = kind->name;
+    it->exact = kind->exact;
     it->scene = scene;
     it->film = film;
     it->kappa = cmf_normalization(settings->lambda_min, settings->lambda_max);
@@ -149,6 +152,7 @@ void integrator_destroy(struct integrator *it)
     for (int i = 0; it->worker && i < it->worker_count; i++) {
         free(it->worker[i].camera.vertex);
         free(it->worker[i].light.vertex);
+        free(it->worker[i].copy.vertex);
         free(it->worker[i].gathered.bin);
     }
     free(it->worker);
@@ -169,7 +173,8 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     w->random =
         random_path(settings->seed, (uint32_t)y * (uint32_t)it->full[0] + (uint32_t)x, (uint32_t)sample);
     w->half_width_nm = (float)(settings->d0_nm * pow(sample + 1, -settings->shrink));
-    w->camera.count = w->light.count = 0;
+    w->camera.count = w->light.count = w->copy.count = 0;
+    w->sightings = 0;
     film_sample_clear(it->film, &w->gathered);
     w->gathered.alpha = settings->film_transparent ? 0 : 1;
     if (inside && it->traces_camera) {
@@ -182,7 +187,7 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     if (w->camera.count > 1)
         w->gathered.alpha = 1;
     if (it->connects)
-        connect_all(it, w);
+        (it->exact ? exact_connect_all : connect_all)(it, w);
     if (inside)
         film_add(it->film, x, y, &w->gathered);
 }

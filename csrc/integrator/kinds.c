@@ -21,10 +21,11 @@ static bool everything(int s, int t)
 }
 
 static const struct integrator_kind kinds[] = {
-    {"pt", hits_lights},
-    {"pt_nee", hits_or_connects_to_lights},
-    {"lt", connects_to_the_camera},
-    {"mbdpt", everything}, /* Jung, Hanika, Dachsbacher 2020 */
+    {"pt", hits_lights, false},
+    {"pt_nee", hits_or_connects_to_lights, false},
+    {"lt", connects_to_the_camera, false},
+    {"mbdpt", everything, false}, /* Jung, Hanika, Dachsbacher 2020 */
+    {"bdpt", everything, true},   /* algorithm.md §9 */
 };
 
 const struct integrator_kind *integrator_kind_at(size_t index)

@@ -9,6 +9,7 @@ struct integrator_kind {
     const char *name;
     /* Whether a path of s light and t camera vertices is one of its techniques. */
     bool (*uses)(int s, int t);
+    bool exact; /* by exact.c, without mollification */
 };
 
 const struct integrator_kind *integrator_kind_at(size_t index);       /* NULL past the end */

@@ -25,10 +25,14 @@ struct vertex {
     double throughput;            /* on arrival: everything before this vertex */
     float pdf_own;                /* label × wavelength × direction of the step to next */
     float pdf_other; /* with which the other side's sub-path, coming from next, would step to prev */
+    float survival;  /* of roulette; in a copying sub-path also the chance of an own wavelength */
     float geometry;  /* of the edge to prev */
-    bool
-        unbounded; /* a distant light, an orthographic camera: a direction instead of a point, so that edges to it
-                                     have no length, and its steps have densities per area perpendicular to them */
+    /* A distant light, an orthographic camera: a direction instead of a point, so that edges to it have no
+       length, and its steps have densities per area perpendicular to them. */
+    bool unbounded;
+    /* Transparent surfaces on the edge to prev: whether there were any, and 1/(chance to stop at this vertex). */
+    bool passed;
+    float passage;
     bool disperses;     /* passed by a refraction whose direction depends on the wavelength */
     bool run_disperses; /* some vertex of this run before this one did (exact.md §2) */
     uint8_t bounces[SCATTER_CLASSES];
@@ -52,20 +56,36 @@ enum dimension {
     DIM_LIGHT = 8,  /* 3: light, point */
     DIM_LIGHT_LAMBDA = 11,
     DIM_LIGHT_DIRECTION = 12, /* 2 */
-    DIM_CAMERA_STEP =
-        1 << 8, /* DIMS_PER_STEP for each surface that a segment meets, PASSES_MAX of them a step */
+    /* DIMS_PER_STEP for each surface that a segment meets, PASSES_MAX of them a step. */
+    DIM_CAMERA_STEP = 1 << 8,
     DIM_LIGHT_STEP = 1 << 16,
     DIM_NEE = 2 << 16,     /* DIMS_PER_NEE a camera vertex */
     DIM_SPLAT = 3 << 16,   /* DIMS_PER_SPLAT a light vertex */
-    DIM_CONNECT = 4 << 16, /* per (s, t, pair of labels) */
+    DIM_CONNECT = 4 << 16, /* per (s, t, pair of labels), or per pair of runs */
+    DIM_GATHER = 8 << 16,  /* per emitter met */
+    DIM_COPY =
+        9 << 16, /* the second light sub-path of exact.c: the light's dimensions, and one for each copy */
+    DIM_COPY_STEP = 10 << 16,
 };
 enum { DIMS_PER_STEP = 8, DIMS_PER_NEE = 16, DIMS_PER_SPLAT = 16 };
 /* Surfaces that one step may pass without scattering. */
 enum { PASSES_MAX = 64 };
 
+/* A light sub-path that takes over wavelengths of the camera's runs where both sides disperse (algorithm.md §9). */
+struct copying {
+    int runs;                                     /* dispersive runs of the camera sub-path */
+    int run[PATH_VERTICES], first[PATH_VERTICES]; /* their numbers from the camera, and where they start */
+    float lambda[PATH_VERTICES];
+    double own, chance[PATH_VERTICES]; /* actual chances of an own wavelength, and of each run's */
+    int taken;                         /* index of the run whose wavelength the last run has; −1: its own */
+    int start;                         /* vertex where that run starts */
+};
+
 /* One worker's memory and the state of the path that it traces. */
 struct worker {
-    struct subpath camera, light;
+    struct subpath camera, light, copy;
+    uint32_t sightings;      /* emitters met by this camera sub-path */
+    struct copying *copying; /* while `copy` is traced */
     struct random_path random;
     struct film_sample gathered;
     float half_width_nm; /* d_n */
@@ -81,6 +101,7 @@ struct integrator {
     double kappa;
     int full[2], border[4];
     bool traces_camera, traces_light, connects, splats;
+    bool exact;                    /* connections by exact.c instead of the mollified table */
     bool limits_bounces;           /* some limit on a class of bounces is tighter than max_path */
     int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
     int worker_count;
@@ -94,6 +115,8 @@ struct integrator {
 void path_trace_camera(const struct integrator *, struct worker *, float x, float y);
 /* Grows the light sub-path. */
 void path_trace_light(const struct integrator *, struct worker *);
+/* Grows worker->copy; sets copying->taken and start. */
+void path_trace_copy(const struct integrator *, struct worker *, struct copying *);
 
 /* Cosine of a direction with the surface's geometric normal, absolute. */
 static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)

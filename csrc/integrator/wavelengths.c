@@ -68,13 +68,15 @@ static struct spectrum *binned_importance(struct range range, float min, float m
 static const struct spectrum *source_spectrum(const struct wavelengths *w, const struct scene *scene,
                                               int source)
 {
+    if (source == wavelengths_source_lamps(w))
+        return scene_lamp_spectrum(scene);
     return source < w->lights ? scene_light_spectrum(scene, source)
                               : scene_fluorophore_emission(scene, source - w->lights);
 }
 
 static void fill_products(struct wavelengths *w, const struct scene *scene)
 {
-    int sinks = w->fluorophores + 1, sources = w->lights + w->fluorophores;
+    int sinks = w->fluorophores + 1, sources = w->lights ? w->lights + w->fluorophores + 1 : 0;
     bool pairs = (size_t)sinks * (size_t)sources <= product_pairs_max;
     for (int sink = 0; sink < sinks; sink++) {
         const struct spectrum *taken =
@@ -99,7 +101,7 @@ bool wavelengths_create(struct wavelengths *w, const struct integrator_settings 
     if (w->camera && settings->spectral_bins > 0)
         w->camera = binned_importance(range, settings->bins_min, settings->bins_max, w->camera);
     w->product =
-        calloc((size_t)(w->lights + w->fluorophores) * (size_t)(w->fluorophores + 1) + 1, sizeof *w->product);
+        calloc((size_t)(w->lights + w->fluorophores + 1) * (size_t)(w->fluorophores + 1), sizeof *w->product);
     if (!w->camera || !w->product || !(spectrum_integral(w->camera) > 0)) {
         wavelengths_destroy(w);
         return fail(err, "settings", "lambda_min, lambda_max",
@@ -112,7 +114,8 @@ bool wavelengths_create(struct wavelengths *w, const struct integrator_settings 
 
 void wavelengths_destroy(struct wavelengths *w)
 {
-    size_t sinks = (size_t)w->fluorophores + 1, sources = (size_t)(w->lights + w->fluorophores);
+    size_t sinks = (size_t)w->fluorophores + 1,
+           sources = w->lights ? (size_t)(w->lights + w->fluorophores) + 1 : 0;
     bool pairs = sinks * sources <= product_pairs_max;
     if (w->product)
         for (size_t i = 0; i < (pairs ? sinks * sources : sources ? sinks : 0); i++)

@@ -10,7 +10,7 @@ struct integrator_settings;
 struct wavelengths {
     struct spectrum *camera; /* p_cam, not normalised */
     int lights, fluorophores;
-    struct spectral_histogram **product; /* (lights + fluorophores) × (fluorophores + 1) */
+    struct spectral_histogram **product; /* (lights + fluorophores + 1) × (fluorophores + 1) */
 };
 
 bool wavelengths_create(struct wavelengths *, const struct integrator_settings *, const struct scene *,
@@ -25,6 +25,12 @@ static inline int wavelengths_source_dye(const struct wavelengths *w, int dye)
 static inline int wavelengths_sink_camera(const struct wavelengths *w)
 {
     return w->fluorophores;
+}
+
+/* All lights together, by their power-weighted sum: for light points that are drawn after the wavelength. */
+static inline int wavelengths_source_lamps(const struct wavelengths *w)
+{
+    return w->lights + w->fluorophores;
 }
 
 /* NULL where source and sink have no wavelength in common. */
