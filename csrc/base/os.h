@@ -18,7 +18,7 @@ struct os_memory {
     bool writable;
 };
 
-/* Maps what the memory holds now (again, if it has grown), after forbidding it to shrink. bytes = 0 maps nothing. */
+/* Maps what the memory holds now (again, if it has grown), after forbidding it to shrink. Nothing maps to NULL. */
 bool os_memory_map(struct os_memory *, int fd, bool writable, stokes_error *err);
 void os_memory_unmap(struct os_memory *);
 

@@ -30,7 +30,8 @@ typedef struct stokes_listener {
     void (*warning)(void *user, const stokes_error *what);
     /* Seconds elapsed and expected to remain (< 0: not known yet). */
     void (*progress)(void *user, int sample, int samples, double seconds, double remaining);
-    /* The picture [x0,y0,x1,y1) of the border's rectangle holds `samples` samples now. */
+    /* The picture [x0,y0,x1,y1) of the border's rectangle holds `samples` samples now, 0 while the first pass
+       grows. */
     void (*tile)(void *user, const int rect[4], int samples);
     /* Asked between passes and between small units of work, from any worker thread. True stops the render. */
     bool (*cancelled)(void *user);
@@ -40,14 +41,15 @@ typedef struct stokes_listener {
 STOKES_API stokes_session *stokes_session_create(const stokes_listener *listener);
 STOKES_API void stokes_session_destroy(stokes_session *);
 
-/* Applies one frame of the stream (csrc/stream/STREAM.md): its name, its JSON text and its blob area, all borrowed
-   for the call. `shared` is the parent's shared memory or NULL. On false nothing has changed and *err says why.
-   `render`, `cancel` and `quit` are not applied here: they belong to who drives the session. */
+/* Applies one frame of the stream (csrc/stream/STREAM.md): its name, its JSON text and its blob area, all
+   borrowed for the call. `shared` is the parent's shared memory or NULL. On false nothing has changed and *err
+   says why. `render`, `cancel` and `quit` are not applied here: they belong to who drives the session. */
 STOKES_API bool stokes_session_apply(stokes_session *, const char *name, bool mandatory, const char *json,
-                                     size_t json_bytes, const void *blobs, size_t blob_bytes, const void *shared,
-                                     size_t shared_bytes, stokes_error *err);
+                                     size_t json_bytes, const void *blobs, size_t blob_bytes,
+                                     const void *shared, size_t shared_bytes, stokes_error *err);
 
-/* What `stokes render` may override; negative numbers and NULL leave the scene's own value. */
+/* What `stokes render` may override; negative numbers and NULL leave the scene's own value. Bins where the scene
+   has none lie over the visible part of its range. */
 typedef struct stokes_overrides {
     const char *integrator; /* "pt", "pt_nee", "lt", "mbdpt" */
     int64_t seed;
@@ -62,18 +64,19 @@ typedef struct stokes_overrides {
 } stokes_overrides;
 STOKES_API stokes_overrides stokes_overrides_default(void);
 
-/* Renders the scene's sample range. `picture` may be NULL or points to RGBA f32, the border's rectangle, bottom row
-   first; it is refreshed as the render goes. A cancelled render returns true and keeps what it has. */
-STOKES_API bool stokes_session_render(stokes_session *, const stokes_overrides *, float *picture, size_t picture_floats,
-                                      stokes_error *err);
+/* Renders the scene's sample range; `overrides` may be NULL. `picture` may be NULL or points to RGBA f32, the
+   border's rectangle, bottom row first; it is refreshed as the render goes. A cancelled render returns true and
+   keeps its whole passes. */
+STOKES_API bool stokes_session_render(stokes_session *, const stokes_overrides *, float *picture,
+                                      size_t picture_floats, stokes_error *err);
 
 /* After a render: the picture's size, the samples it holds, and the lines of its report. */
 STOKES_API void stokes_session_size(const stokes_session *, int *width, int *height);
 STOKES_API int stokes_session_samples(const stokes_session *);
 STOKES_API const char *stokes_session_report(const stokes_session *);
 
-/* Writes the film: EXR (linear RGBA, spectral bins, and what merging needs) or, by its ending, PNG through the
-   config's display and view. Written under a temporary name and renamed. */
+/* Writes the film: EXR (linear RGBA, spectral bins, and what merging needs) or, by its ending, PNG through
+   the config's display and view. Written under a temporary name and renamed. */
 STOKES_API bool stokes_session_write(stokes_session *, const char *path, stokes_error *err);
 
 /* Replays a scene file into a session; stops at the first error. */
@@ -85,8 +88,8 @@ STOKES_API bool stokes_merge(const char *const *paths, size_t count, const char 
 /* Writes to stdout, a line each, what a scene file or an EXR of ours holds. */
 STOKES_API bool stokes_info(const char *path, stokes_error *err);
 
-/* `stokes serve`: speaks the stream on two file descriptors until `quit` or end of input. `memory_fd` and `film_fd`
-   are shared memories or −1. Returns the process' exit status. */
+/* `stokes serve`: speaks the stream on two file descriptors until `quit` or end of input. `memory_fd` and
+   `film_fd` are shared memories or −1. Returns the process' exit status. */
 STOKES_API int stokes_serve(int in_fd, int out_fd, int memory_fd, int film_fd);
 
 /* The spectrum library: the name at `index`, or NULL past the end; its value at a wavelength (nm). */

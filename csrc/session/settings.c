@@ -82,6 +82,21 @@ static bool read_techniques(const char *text, struct integrator_settings *settin
     return true;
 }
 
+/* Bins where the scene has none lie over the visible part of Λ, unless told otherwise. */
+static void override_bins(struct integrator_settings *s, const stokes_overrides *o)
+{
+    if (o->spectral_bins > 0 && s->spectral_bins == 0) {
+        s->bins_min = fmaxf(s->lambda_min, CMF_MIN_NM);
+        s->bins_max = fminf(s->lambda_max, CMF_MAX_NM);
+    }
+    if (o->spectral_bins >= 0)
+        s->spectral_bins = o->spectral_bins;
+    if (o->bins_min_nm >= 0)
+        s->bins_min = (float)o->bins_min_nm;
+    if (o->bins_max_nm >= 0)
+        s->bins_max = (float)o->bins_max_nm;
+}
+
 bool session_settings_override(struct session_settings *settings, const stokes_overrides *o,
                                stokes_error *err)
 {
@@ -102,11 +117,7 @@ bool session_settings_override(struct session_settings *settings, const stokes_o
         s->d0_nm = o->d0_nm;
     if (o->shrink >= 0)
         s->shrink = o->shrink;
-    if (o->spectral_bins >= 0) {
-        s->spectral_bins = o->spectral_bins;
-        s->bins_min = o->bins_min_nm >= 0 ? (float)o->bins_min_nm : fmaxf(s->lambda_min, CMF_MIN_NM);
-        s->bins_max = o->bins_max_nm >= 0 ? (float)o->bins_max_nm : fminf(s->lambda_max, CMF_MAX_NM);
-    }
+    override_bins(s, o);
     if (o->max_path >= 0)
         s->max_path = o->max_path;
     if (o->time_limit_s >= 0)

@@ -609,6 +609,32 @@ static void overrides_are_checked_like_settings(void **state)
     stokes_session_destroy(session);
 }
 
+static void bins_are_overridden_number_by_number(void **state)
+{
+    (void)state;
+    stokes_session *session = greeted();
+    stokes_error err;
+    stokes_overrides count = stokes_overrides_default(), range = stokes_overrides_default();
+    struct session_settings s = session->settings;
+    count.spectral_bins = 4;
+    range.bins_min_nm = 450;
+    range.bins_max_nm = 650;
+    assert_true(session_settings_override(&s, &count, &err)); /* the scene has none: the visible part */
+    assert_float_equal(s.integrator.bins_min, 360, 0);
+    assert_float_equal(s.integrator.bins_max, 830, 0);
+    assert_true(
+        send(session, "settings", "{\"spectral_bins\": {\"count\": 8, \"min\": 400, \"max\": 700}}", &err));
+    s = session->settings;
+    assert_true(session_settings_override(&s, &count, &err));
+    assert_int_equal(s.integrator.spectral_bins, 4);
+    assert_float_equal(s.integrator.bins_min, 400, 0);
+    s = session->settings;
+    assert_true(session_settings_override(&s, &range, &err));
+    assert_int_equal(s.integrator.spectral_bins, 8);
+    assert_float_equal(s.integrator.bins_max, 650, 0);
+    stokes_session_destroy(session);
+}
+
 /* --- Inbox ------------------------------------------------------------------------------------------------- */
 
 static void post(int fd, const char *name)
@@ -699,6 +725,7 @@ int main(void)
         cmocka_unit_test(an_image_keeps_its_colour_in_another_working_space),
         cmocka_unit_test(a_fingerprint_sees_what_changes_the_image_and_nothing_else),
         cmocka_unit_test(overrides_are_checked_like_settings),
+        cmocka_unit_test(bins_are_overridden_number_by_number),
         cmocka_unit_test(a_cancel_stops_what_came_before_it),
         cmocka_unit_test(a_broken_stream_is_told_once_after_what_was_whole),
     };
