@@ -43,7 +43,7 @@ VIEWS = {
     "caustics on the wall": ({"view": "wall"}, ["pt_nee", "lt", "mbdpt"]),
     "diffuse balls": ({"view": "front", "specular": False}, ["pt_nee", "lt", "mbdpt"]),
 }
-SAMPLES = {"pt": 96, "pt_nee": 48, "lt": 48, "mbdpt": 24}
+SAMPLES = {"pt": 48, "pt_nee": 24, "lt": 24, "mbdpt": 12}
 
 
 @pytest.fixture(scope="module")
