@@ -1,5 +1,5 @@
-"""A writer of the stream that is as small as can be and shares no line with the add-on's, so that the two check each other.
-Bytes are built by hand: a test may break any of them."""
+"""A writer of the stream that is as small as can be and shares no line with the add-on's, so that
+the two check each other. Bytes are built by hand: a test may break any of them."""
 
 import json
 import struct
@@ -13,7 +13,11 @@ def pad(data):
 
 def frame(name, members=None, blobs=b"", mandatory=True):
     text = json.dumps(members or {}).encode()
-    return HEAD.pack(b"STKS", int(mandatory), name.encode(), len(text), len(blobs)) + pad(text) + pad(blobs)
+    return (
+        HEAD.pack(b"STKS", int(mandatory), name.encode(), len(text), len(blobs))
+        + pad(text)
+        + pad(blobs)
+    )
 
 
 class Area:
@@ -38,7 +42,17 @@ class Area:
 
 
 IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]
-REC709 = [0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920, 0.9503041]
+REC709 = [
+    0.4124564,
+    0.3575761,
+    0.1804375,
+    0.2126729,
+    0.7151522,
+    0.0721750,
+    0.0193339,
+    0.1191920,
+    0.9503041,
+]
 SQUARE = [-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]
 TRIANGLES = [0, 1, 2, 0, 2, 3]
 
@@ -48,7 +62,10 @@ def hello():
 
 
 def color(**members):
-    return frame("color", dict({"config": "", "working_space": "Linear Rec.709", "rgb_to_xyz": REC709}, **members))
+    return frame(
+        "color",
+        dict({"config": "", "working_space": "Linear Rec.709", "rgb_to_xyz": REC709}, **members),
+    )
 
 
 def settings(**members):
@@ -58,13 +75,28 @@ def settings(**members):
 def camera(width=16, height=16, **members):
     """Four metres above the origin, looking down."""
     transform = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 4]
-    return frame("camera", dict({"kind": "perspective", "transform": transform, "frame": [-0.3, 0.3, -0.3, 0.3],
-                                 "resolution": [width, height], "clip": [0.1, 100]}, **members))
+    return frame(
+        "camera",
+        dict(
+            {
+                "kind": "perspective",
+                "transform": transform,
+                "frame": [-0.3, 0.3, -0.3, 0.3],
+                "resolution": [width, height],
+                "clip": [0.1, 100],
+            },
+            **members,
+        ),
+    )
 
 
 def mesh(name="square", positions=SQUARE, triangles=TRIANGLES, **blobs):
     area = Area()
-    members = {"name": name, "positions": area.floats(*positions), "triangles": area.whole(*triangles)}
+    members = {
+        "name": name,
+        "positions": area.floats(*positions),
+        "triangles": area.whole(*triangles),
+    }
     for key, make in blobs.items():
         members[key] = make(area)
     return frame("mesh", members, area.data)
@@ -74,25 +106,67 @@ def material(surface, name="material"):
     return frame("material", {"name": name, "surface": surface})
 
 
-def instances(name="instances", mesh="square", materials=("material",), transform=IDENTITY, **members):
+def instances(
+    name="instances", mesh="square", materials=("material",), transform=IDENTITY, **members
+):
     area = Area()
-    return frame("instances", dict({"name": name, "mesh": mesh, "materials": list(materials),
-                                    "transforms": area.floats(*transform)}, **members), area.data)
+    return frame(
+        "instances",
+        dict(
+            {
+                "name": name,
+                "mesh": mesh,
+                "materials": list(materials),
+                "transforms": area.floats(*transform),
+            },
+            **members,
+        ),
+        area.data,
+    )
 
 
 def image(name="image", width=2, height=2, channels=4, **members):
     area = Area()
     pixels = area.floats(*([0.5] * (width * height * channels)))
-    return frame("image", dict({"name": name, "width": width, "height": height, "channels": channels, "format": "f32",
-                                "colorspace": "", "pixels": pixels}, **members), area.data)
+    return frame(
+        "image",
+        dict(
+            {
+                "name": name,
+                "width": width,
+                "height": height,
+                "channels": channels,
+                "format": "f32",
+                "colorspace": "",
+                "pixels": pixels,
+            },
+            **members,
+        ),
+        area.data,
+    )
 
 
 def light(name="light", kind="rectangle", emission=None, **members):
     transform = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3]
-    shape = {"rectangle": {"size": [1, 1]}, "sun": {"angle": 0.01}, "sphere": {"radius": 0.5}, "point": {},
-             "ellipse": {"size": [1, 1]}, "spot": {"radius": 0.1, "angle": 1, "blend": 0.1}}[kind]
-    return frame("light", {"name": name, "kind": kind, "transform": transform,
-                           "emission": emission or {"rgb": [1, 1, 1], "scale": 5}, **shape, **members})
+    shape = {
+        "rectangle": {"size": [1, 1]},
+        "sun": {"angle": 0.01},
+        "sphere": {"radius": 0.5},
+        "point": {},
+        "ellipse": {"size": [1, 1]},
+        "spot": {"radius": 0.1, "angle": 1, "blend": 0.1},
+    }[kind]
+    return frame(
+        "light",
+        {
+            "name": name,
+            "kind": kind,
+            "transform": transform,
+            "emission": emission or {"rgb": [1, 1, 1], "scale": 5},
+            **shape,
+            **members,
+        },
+    )
 
 
 def world(emission):
@@ -105,9 +179,20 @@ def render(first=0, end=2, **members):
 
 def scene(*more, size=16, samples=2, **options):
     """A lit grey square, with what is to be put before the `render` message."""
-    return b"".join([hello(), color(), settings(**options), camera(size, size), mesh(),
-                     material({"bsdf": "diffuse", "reflectance": 0.5}), instances(), light(), *more,
-                     render(0, samples)])
+    return b"".join(
+        [
+            hello(),
+            color(),
+            settings(**options),
+            camera(size, size),
+            mesh(),
+            material({"bsdf": "diffuse", "reflectance": 0.5}),
+            instances(),
+            light(),
+            *more,
+            render(0, samples),
+        ]
+    )
 
 
 def read(data):
@@ -119,6 +204,8 @@ def read(data):
         end = HEAD.size + json_bytes + -json_bytes % 16 + blob_bytes + -blob_bytes % 16
         if len(data) < end:
             break
-        replies.append((name.rstrip(b"\0").decode(), json.loads(data[HEAD.size:HEAD.size + json_bytes])))
+        replies.append(
+            (name.rstrip(b"\0").decode(), json.loads(data[HEAD.size : HEAD.size + json_bytes]))
+        )
         data = data[end:]
     return replies, data

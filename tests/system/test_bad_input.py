@@ -1,28 +1,16 @@
-"""Bad input, kills and cancels, by the executable alone: each fault is one clear line, nothing is left behind, and a cancel is
-quick. Only the standard library and frames.py."""
+"""Bad input, by the executable alone: each fault is one clear line that names message, object and
+member, and nothing is left behind. Cancels and kills are in test_serving.py."""
 
-import mmap
-import os
-import pathlib
-import re
 import signal
 import struct
 import subprocess
-import time
 
 import frames
 import pytest
+from process import SECONDS, STOKES, run
 
-STOKES = pathlib.Path(os.environ.get("STOKES") or pathlib.Path(__file__).parents[2] / "build" / "stokes").resolve()
-SECONDS = 60  # for a process that has nothing to wait for; only a hang needs it
 START = frames.hello() + frames.color() + frames.settings()
-QUICK = 0.1  # what a cancel may take
-TRIES = 5
 NAN, INF = float("nan"), float("inf")
-
-
-def run(*arguments, **options):
-    return subprocess.run([str(STOKES), *map(str, arguments)], capture_output=True, timeout=SECONDS, **options)
 
 
 def render(folder, data, *arguments):
@@ -50,7 +38,7 @@ def test_a_sound_scene_renders(tmp_path):
     assert (status, said, written) == (0, "", True)
 
 
-# --- Broken streams ----------------------------------------------------------------------------------------------
+# --- Broken streams ------------------------------------------------------------------------------
 
 
 def test_a_stream_cut_anywhere_is_an_error_or_a_shorter_stream(tmp_path):
@@ -62,7 +50,10 @@ def test_a_stream_cut_anywhere_is_an_error_or_a_shorter_stream(tmp_path):
         json_bytes, blob_bytes = struct.unpack_from("<QQ", whole, at + 32)
         at += 48 + json_bytes + -json_bytes % 16 + blob_bytes + -blob_bytes % 16
     ends.add(at)
-    for cut in sorted(ends | {end + offset for end in ends for offset in (1, 47, 48, 55) if end + offset < len(whole)}):
+    for cut in sorted(
+        ends
+        | {end + offset for end in ends for offset in (1, 47, 48, 55) if end + offset < len(whole)}
+    ):
         status, said, _ = render(tmp_path, whole[:cut])
         assert len(said.splitlines()) <= 1 and status in (0, 1), (cut, said)
         if cut not in ends:
@@ -87,33 +78,53 @@ def test_a_length_that_lies_takes_no_memory(tmp_path):
     import resource
 
     scene = tmp_path / "scene.stokes"
-    scene.write_bytes(START + frames.HEAD.pack(b"STKS", 1, b"mesh", 2, 60 << 30) + frames.pad(b"{}"))
+    scene.write_bytes(
+        START + frames.HEAD.pack(b"STKS", 1, b"mesh", 2, 60 << 30) + frames.pad(b"{}")
+    )
     limit = 4 << 30
-    result = subprocess.run([STOKES, "render", scene, "-o", tmp_path / "out.exr"], capture_output=True, timeout=SECONDS,
-                            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+    result = subprocess.run(
+        [STOKES, "render", scene, "-o", tmp_path / "out.exr"],
+        capture_output=True,
+        timeout=SECONDS,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
+    )
     assert result.returncode == 1 and b"the stream ends after 0 of" in result.stderr, result.stderr
 
 
 def test_corrupted_bytes_never_crash(tmp_path):
-    """One byte of each 7 is inverted in turn: an error or a picture, never a signal and never a hang."""
+    """Bytes all over are inverted in turn: an error or a picture, never a signal, never a hang."""
     whole = frames.scene(size=4, samples=1)
     for at in range(3, len(whole), 7 * (1 + len(whole) // 1000)):
         data = bytearray(whole)
-        data[at] ^= 0xff
+        data[at] ^= 0xFF
         status, said, _ = render(tmp_path, bytes(data), "-t", "1")
         assert status in (0, 1), (at, status, said)
         (tmp_path / "out.exr").unlink(missing_ok=True)
 
 
 def test_text_that_is_no_json_is_named(tmp_path):
-    for text in (b"{", b"[]", b'{"version": NaN}', b'{"version": 1, "version": 1}', b"\xff\xfe", b'{"version": 1e999}', b""):
+    for text in (
+        b"{",
+        b"[]",
+        b'{"version": NaN}',
+        b'{"version": 1, "version": 1}',
+        b"\xff\xfe",
+        b'{"version": 1e999}',
+        b"",
+    ):
         head = frames.HEAD.pack(b"STKS", 1, b"hello", len(text), 0)
         refused(tmp_path, head + frames.pad(text), "hello", "json")
 
 
 def test_nesting_without_end_is_refused(tmp_path):
     for depth in (100, 100000):
-        text = ('{"name": "deep", "surface": ' + '{"mix": [null, ' * depth + "null" + '], "factor": 0}' * depth + "}").encode()
+        text = (
+            '{"name": "deep", "surface": '
+            + '{"mix": [null, ' * depth
+            + "null"
+            + '], "factor": 0}' * depth
+            + "}"
+        ).encode()
         head = frames.HEAD.pack(b"STKS", 1, b"material", len(text), 0)
         refused(tmp_path, START + head + frames.pad(text), "material")
 
@@ -129,56 +140,105 @@ def test_hello_comes_first_and_has_our_version(tmp_path):
     refused(tmp_path, frames.frame("hello", {"version": 2}), "hello", "version")
 
 
-# --- Members -----------------------------------------------------------------------------------------------------
+# --- Members -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("members, words", [
-    ({"lambda_min": "x"}, ["settings", "lambda_min", "number"]),
-    ({"lambda_min": 900}, ["settings", "lambda_m"]),
-    ({"seed": -1}, ["settings", "seed"]),
-    ({"seed": 1.5}, ["settings", "seed", "whole"]),
-    ({"integrator": "magic"}, ["settings", "integrator", "magic"]),
-    ({"techniques": [[1]]}, ["settings", "techniques[0]"]),
-    ({"techniques": [[1, 99]]}, ["settings", "techniques[0][1]"]),
-    ({"spectral_bins": {"count": 0, "min": 400}}, ["settings", "spectral_bins.max", "missing"]),
-    ({"spectral_bins": {"count": 1000000, "min": 400, "max": 700}}, ["settings", "spectral_bins.count"]),
-    ({"uv_rule": "guess"}, ["settings", "uv_rule", "guess"]),
-    ({"max_path": 1000}, ["settings", "max_path"]),
-    ({"threads": -2}, ["settings", "threads"]),
-    ({"film_transparent": 1}, ["settings", "film_transparent", "true or false"]),
-])
+@pytest.mark.parametrize(
+    "members, words",
+    [
+        ({"lambda_min": "x"}, ["settings", "lambda_min", "number"]),
+        ({"lambda_min": 900}, ["settings", "lambda_m"]),
+        ({"seed": -1}, ["settings", "seed"]),
+        ({"seed": 1.5}, ["settings", "seed", "whole"]),
+        ({"integrator": "magic"}, ["settings", "integrator", "magic"]),
+        ({"techniques": [[1]]}, ["settings", "techniques[0]"]),
+        ({"techniques": [[1, 99]]}, ["settings", "techniques[0][1]"]),
+        ({"spectral_bins": {"count": 0, "min": 400}}, ["settings", "spectral_bins.max", "missing"]),
+        (
+            {"spectral_bins": {"count": 1000000, "min": 400, "max": 700}},
+            ["settings", "spectral_bins.count"],
+        ),
+        ({"uv_rule": "guess"}, ["settings", "uv_rule", "guess"]),
+        ({"max_path": 1000}, ["settings", "max_path"]),
+        ({"threads": -2}, ["settings", "threads"]),
+        ({"film_transparent": 1}, ["settings", "film_transparent", "true or false"]),
+    ],
+)
 def test_a_wrong_setting_is_named(tmp_path, members, words):
     refused(tmp_path, frames.hello() + frames.settings(**members), *words)
 
 
-@pytest.mark.parametrize("surface, words", [
-    ({"bsdf": "velvet"}, ["surface.bsdf", "velvet"]),
-    ({"bsdf": "diffuse", "reflectance": {"library": "no such"}}, ["surface.reflectance.library"]),
-    ({"bsdf": "diffuse", "reflectance": {"table": {"lambda": [400, 300], "value": [1, 1]}}}, ["surface.reflectance.table"]),
-    ({"bsdf": "diffuse", "reflectance": {"table": {"lambda": [400], "value": [1, 1]}}}, ["1 wavelengths and 2 values"]),
-    ({"bsdf": "diffuse", "reflectance": {"sum": [0.1, {"colour": 1}]}}, ["surface.reflectance.sum[1]"]),
-    ({"bsdf": "diffuse", "reflectance": {"texture": {"image": "lost"}}}, ["surface.reflectance.texture.image", "lost", "sent"]),
-    ({"bsdf": "diffuse", "roughness": {"texture": {"image": "lost"}}}, ["surface.roughness.texture.image"]),
-    ({"bsdf": "diffuse", "normal": {"texture": {"image": "lost"}}}, ["surface.normal.texture.image"]),
-    ({"bsdf": "conductor", "metal": "Unobtainium"}, ["surface.metal", "Unobtainium"]),
-    ({"bsdf": "dielectric", "ior": {"library": "jelly"}}, ["surface.ior.library", "jelly"]),
-    ({"bsdf": "dielectric", "lobes": "sideways"}, ["surface.lobes", "sideways", "refract"]),
-    ({"mix": [None], "factor": 0.5}, ["surface.mix", "2 are wanted"]),
-    ({"mix": [None, None]}, ["surface.factor", "missing"]),
-    ({"emission": {"rgb": [1, -1, 1]}}, ["surface.emission.rgb", "negative"]),
-    ({"emission": {"rgb": [1, 1, 1], "scale": -2}}, ["surface.emission.scale", "negative"]),
-    ({"emission": {"shape": {"table": {"lambda": [400, 700], "value": [1, -1]}}}}, ["surface.emission.shape", "negative"]),
-    ({"emission": {"shape": {"line": {"center": 5000, "width": 2}}}}, ["surface.emission.shape", "no power"]),
-    ({"emission": {"rgb": [1, 1]}}, ["surface.emission.rgb", "3 are wanted"]),
-])
+@pytest.mark.parametrize(
+    "surface, words",
+    [
+        ({"bsdf": "velvet"}, ["surface.bsdf", "velvet"]),
+        (
+            {"bsdf": "diffuse", "reflectance": {"library": "no such"}},
+            ["surface.reflectance.library"],
+        ),
+        (
+            {"bsdf": "diffuse", "reflectance": {"table": {"lambda": [400, 300], "value": [1, 1]}}},
+            ["surface.reflectance.table"],
+        ),
+        (
+            {"bsdf": "diffuse", "reflectance": {"table": {"lambda": [400], "value": [1, 1]}}},
+            ["1 wavelengths and 2 values"],
+        ),
+        (
+            {"bsdf": "diffuse", "reflectance": {"sum": [0.1, {"colour": 1}]}},
+            ["surface.reflectance.sum[1]"],
+        ),
+        (
+            {"bsdf": "diffuse", "reflectance": {"texture": {"image": "lost"}}},
+            ["surface.reflectance.texture.image", "lost", "sent"],
+        ),
+        (
+            {"bsdf": "diffuse", "roughness": {"texture": {"image": "lost"}}},
+            ["surface.roughness.texture.image"],
+        ),
+        (
+            {"bsdf": "diffuse", "normal": {"texture": {"image": "lost"}}},
+            ["surface.normal.texture.image"],
+        ),
+        ({"bsdf": "conductor", "metal": "Unobtainium"}, ["surface.metal", "Unobtainium"]),
+        ({"bsdf": "dielectric", "ior": {"library": "jelly"}}, ["surface.ior.library", "jelly"]),
+        ({"bsdf": "dielectric", "lobes": "sideways"}, ["surface.lobes", "sideways", "refract"]),
+        ({"mix": [None], "factor": 0.5}, ["surface.mix", "2 are wanted"]),
+        ({"mix": [None, None]}, ["surface.factor", "missing"]),
+        ({"emission": {"rgb": [1, -1, 1]}}, ["surface.emission.rgb", "negative"]),
+        ({"emission": {"rgb": [1, 1, 1], "scale": -2}}, ["surface.emission.scale", "negative"]),
+        (
+            {"emission": {"shape": {"table": {"lambda": [400, 700], "value": [1, -1]}}}},
+            ["surface.emission.shape", "negative"],
+        ),
+        (
+            {"emission": {"shape": {"line": {"center": 5000, "width": 2}}}},
+            ["surface.emission.shape", "no power"],
+        ),
+        ({"emission": {"rgb": [1, 1]}}, ["surface.emission.rgb", "3 are wanted"]),
+    ],
+)
 def test_a_wrong_surface_is_named(tmp_path, surface, words):
-    refused(tmp_path, START + frames.material(surface, "Paint"), "Paint", "material.surface", *words)
+    refused(
+        tmp_path, START + frames.material(surface, "Paint"), "Paint", "material.surface", *words
+    )
 
 
 def test_negative_emission_of_a_lamp_is_named(tmp_path):
-    refused(tmp_path, frames.scene(frames.light("Lamp", emission={"rgb": [1, 1, 1], "scale": -1})), "Lamp", "light.emission",
-            "negative")
-    refused(tmp_path, frames.scene(frames.world({"rgb": [-1, 1, 1]})), "world", "emission.rgb", "negative")
+    refused(
+        tmp_path,
+        frames.scene(frames.light("Lamp", emission={"rgb": [1, 1, 1], "scale": -1})),
+        "Lamp",
+        "light.emission",
+        "negative",
+    )
+    refused(
+        tmp_path,
+        frames.scene(frames.world({"rgb": [-1, 1, 1]})),
+        "world",
+        "emission.rgb",
+        "negative",
+    )
 
 
 @pytest.mark.parametrize("value", [NAN, INF, -INF])
@@ -189,44 +249,109 @@ def test_positions_that_are_not_finite_are_named(tmp_path, value):
 
 
 def test_transforms_that_are_not_finite_are_named(tmp_path):
-    refused(tmp_path, frames.scene(frames.instances("Twin", transform=[NAN] + frames.IDENTITY[1:])), "Twin", "transforms")
+    refused(
+        tmp_path,
+        frames.scene(frames.instances("Twin", transform=[NAN] + frames.IDENTITY[1:])),
+        "Twin",
+        "transforms",
+    )
 
 
 def test_indices_out_of_range_are_named(tmp_path):
-    refused(tmp_path, START + frames.mesh("Cube", triangles=[0, 1, 2, 0, 2, 4]), "Cube", "mesh.triangles", "4")
-    refused(tmp_path, START + frames.mesh("Cube", triangles=[0, 1, 2, 0, 2, 0xffffffff]), "Cube", "mesh.triangles")
-    refused(tmp_path, START + frames.mesh("Cube", corners=lambda area: area.whole(0, 1, 2, 0, 2, 4),
-                                          corner_normals=lambda area: area.floats(*([0, 0, 1] * 4))), "Cube", "mesh.corners")
+    refused(
+        tmp_path,
+        START + frames.mesh("Cube", triangles=[0, 1, 2, 0, 2, 4]),
+        "Cube",
+        "mesh.triangles",
+        "4",
+    )
+    refused(
+        tmp_path,
+        START + frames.mesh("Cube", triangles=[0, 1, 2, 0, 2, 0xFFFFFFFF]),
+        "Cube",
+        "mesh.triangles",
+    )
+    refused(
+        tmp_path,
+        START
+        + frames.mesh(
+            "Cube",
+            corners=lambda area: area.whole(0, 1, 2, 0, 2, 4),
+            corner_normals=lambda area: area.floats(*([0, 0, 1] * 4)),
+        ),
+        "Cube",
+        "mesh.corners",
+    )
 
 
 def test_blobs_of_the_wrong_size_are_named(tmp_path):
-    refused(tmp_path, START + frames.mesh("Cube", material_index=lambda area: area.whole(0)), "Cube", "mesh.material_index",
-            "2 are wanted")
-    refused(tmp_path, START + frames.mesh("Cube", corner_normals=lambda area: area.floats(0, 0, 1)), "Cube",
-            "mesh.corner_normals", "6 are wanted")
-    refused(tmp_path, START + frames.mesh("Cube", positions=[1, 2, 3, 4]), "Cube", "mesh.positions.bytes", "multiple of 12")
-    for size, word in (({"width": 3}, "image."), ({"width": 2 ** 40}, "image.width"), ({"channels": 2}, "image.channels"),
-                       ({"height": 0}, "image.height")):
+    refused(
+        tmp_path,
+        START + frames.mesh("Cube", material_index=lambda area: area.whole(0)),
+        "Cube",
+        "mesh.material_index",
+        "2 are wanted",
+    )
+    refused(
+        tmp_path,
+        START + frames.mesh("Cube", corner_normals=lambda area: area.floats(0, 0, 1)),
+        "Cube",
+        "mesh.corner_normals",
+        "6 are wanted",
+    )
+    refused(
+        tmp_path,
+        START + frames.mesh("Cube", positions=[1, 2, 3, 4]),
+        "Cube",
+        "mesh.positions.bytes",
+        "multiple of 12",
+    )
+    for size, word in (
+        ({"width": 3}, "image."),
+        ({"width": 2**40}, "image.width"),
+        ({"channels": 2}, "image.channels"),
+        ({"height": 0}, "image.height"),
+    ):
         members = {"name": "Photo", "width": 2, "height": 2, "channels": 1, "format": "f32"}
         members.update(size, pixels={"at": 0, "bytes": 16})
         refused(tmp_path, START + frames.frame("image", members, bytes(16)), "Photo", word)
 
 
-@pytest.mark.parametrize("blob, words", [
-    ({"at": 0, "bytes": 4800}, ["beyond"]), ({"at": 8, "bytes": 12}, ["multiple of 16"]), ({"at": -16, "bytes": 12}, ["at"]),
-    ({"at": 1 << 60, "bytes": 12}, ["at"]), ({"at": 0, "bytes": 2 ** 63 - 1}, ["bytes"]), ({"at": 0}, ["bytes", "missing"]),
-    ({"shared": 0, "bytes": 12}, ["shared memory"]), ([0, 12], ["object"]),
-])
+@pytest.mark.parametrize(
+    "blob, words",
+    [
+        ({"at": 0, "bytes": 4800}, ["beyond"]),
+        ({"at": 8, "bytes": 12}, ["multiple of 16"]),
+        ({"at": -16, "bytes": 12}, ["at"]),
+        ({"at": 1 << 60, "bytes": 12}, ["at"]),
+        ({"at": 0, "bytes": 2**63 - 1}, ["bytes"]),
+        ({"at": 0}, ["bytes", "missing"]),
+        ({"shared": 0, "bytes": 12}, ["shared memory"]),
+        ([0, 12], ["object"]),
+    ],
+)
 def test_blobs_outside_their_area_are_named(tmp_path, blob, words):
-    data = frames.frame("mesh", {"name": "Cube", "positions": blob, "triangles": {"at": 0, "bytes": 0}}, bytes(48))
+    data = frames.frame(
+        "mesh", {"name": "Cube", "positions": blob, "triangles": {"at": 0, "bytes": 0}}, bytes(48)
+    )
     refused(tmp_path, START + data, "Cube", "mesh.positions", *words)
 
 
 def test_images_with_texels_that_are_not_finite_are_named(tmp_path):
     area = frames.Area()
     pixels = area.floats(0, 0, NAN, 0)
-    data = frames.frame("image", {"name": "Photo", "width": 2, "height": 2, "channels": 1, "format": "f32", "pixels": pixels},
-                        area.data)
+    data = frames.frame(
+        "image",
+        {
+            "name": "Photo",
+            "width": 2,
+            "height": 2,
+            "channels": 1,
+            "format": "f32",
+            "pixels": pixels,
+        },
+        area.data,
+    )
     refused(tmp_path, START + data, "Photo", "image.pixels")
 
 
@@ -234,37 +359,62 @@ def test_cameras_without_sense_are_named(tmp_path):
     refused(tmp_path, START + frames.camera(border=[0, 0, 17, 16]), "camera", "border")
     refused(tmp_path, START + frames.camera(border=[8, 8, 8, 16]), "camera", "border")
     refused(tmp_path, START + frames.camera(0, 16), "camera", "resolution")
-    refused(tmp_path, START + frames.mesh() + frames.instances() + frames.render(), "scene", "camera")
+    refused(
+        tmp_path, START + frames.mesh() + frames.instances() + frames.render(), "scene", "camera"
+    )
     refused(tmp_path, frames.scene() + frames.render(5, 5), "render", "samples")
 
 
 def test_missing_things_are_named_before_rendering(tmp_path):
-    refused(tmp_path, frames.scene(frames.instances("Twin", mesh="nothing")), "Twin", "mesh", "nothing")
-    refused(tmp_path, frames.scene(frames.frame("remove", {"kind": "mesh", "name": "nothing"})), "nothing", "remove")
-    refused(tmp_path, frames.scene(frames.frame("remove", {"kind": "planet", "name": "square"})), "square", "planet")
+    refused(
+        tmp_path, frames.scene(frames.instances("Twin", mesh="nothing")), "Twin", "mesh", "nothing"
+    )
+    refused(
+        tmp_path,
+        frames.scene(frames.frame("remove", {"kind": "mesh", "name": "nothing"})),
+        "nothing",
+        "remove",
+    )
+    refused(
+        tmp_path,
+        frames.scene(frames.frame("remove", {"kind": "planet", "name": "square"})),
+        "square",
+        "planet",
+    )
 
 
 def test_colours_fix_range_and_working_space(tmp_path):
     refused(tmp_path, frames.scene(frames.settings(lambda_min=350)), "settings", "range")
-    refused(tmp_path, frames.scene(frames.color(rgb_to_xyz=[1, 0, 0, 0, 1, 0, 0, 0, 1])), "color", "working space")
+    refused(
+        tmp_path,
+        frames.scene(frames.color(rgb_to_xyz=[1, 0, 0, 0, 1, 0, 0, 0, 1])),
+        "color",
+        "working space",
+    )
     refused(tmp_path, START + frames.color(rgb_to_xyz=[0] * 9), "color", "rgb_to_xyz")
     status, said, _ = render(tmp_path, frames.scene(frames.settings(), frames.color()))
     assert (status, said) == (0, "")
 
 
 def test_a_config_that_cannot_be_read_is_a_warning_that_names_it(tmp_path):
-    status, said, written = render(tmp_path, frames.hello() + frames.color(config="/no/such/config.ocio") + frames.scene())
+    status, said, written = render(
+        tmp_path, frames.hello() + frames.color(config="/no/such/config.ocio") + frames.scene()
+    )
     assert status == 0 and written and "/no/such/config.ocio" in said and "warning" in said, said
 
 
-# --- Files -------------------------------------------------------------------------------------------------------
+# --- Files ---------------------------------------------------------------------------------------
 
 
 def test_an_output_that_cannot_be_written_leaves_nothing(tmp_path):
     scene = tmp_path / "scene.stokes"
     scene.write_bytes(frames.scene())
     (tmp_path / "taken.exr").mkdir()
-    for out in (tmp_path / "missing" / "out.exr", tmp_path / "taken.exr", tmp_path / "missing" / "out.png"):
+    for out in (
+        tmp_path / "missing" / "out.exr",
+        tmp_path / "taken.exr",
+        tmp_path / "missing" / "out.png",
+    ):
         result = run("render", scene, "-o", out, "-q")
         lines = [line for line in result.stderr.decode().splitlines() if "warning" not in line]
         assert result.returncode == 1 and len(lines) == 1 and str(out) in lines[0], lines
@@ -299,10 +449,14 @@ def test_merging_what_does_not_fit_is_named(tmp_path):
         return out
 
     first, second = part("a.exr", scene, "0:4"), part("b.exr", scene, "4:8", "-t", "1")
-    cases = [([first, first], "overlap"), ([first, part("c.exr", scene, "5:8")], "touch"),
-             ([first, part("d.exr", other, "4:8")], "fingerprint"),
-             ([first, part("e.exr", scene, "4:8", "--seed", "3")], "fingerprint"), ([first, scene], "scene.stokes"),
-             ([tmp_path / "none.exr"], "none.exr")]
+    cases = [
+        ([first, first], "overlap"),
+        ([first, part("c.exr", scene, "5:8")], "touch"),
+        ([first, part("d.exr", other, "4:8")], "fingerprint"),
+        ([first, part("e.exr", scene, "4:8", "--seed", "3")], "fingerprint"),
+        ([first, scene], "scene.stokes"),
+        ([tmp_path / "none.exr"], "none.exr"),
+    ]
     for parts, word in cases:
         result = run("merge", *parts, "-o", tmp_path / "merged.exr")
         assert result.returncode == 1 and word in result.stderr.decode(), result.stderr
@@ -314,285 +468,28 @@ def test_merging_what_does_not_fit_is_named(tmp_path):
 def test_wrong_usage_is_one_line_and_status_2(tmp_path):
     scene = tmp_path / "scene.stokes"
     scene.write_bytes(frames.scene())
-    for arguments in (["render"], ["render", scene], ["render", scene, "-o", "x.jpg"], ["render", scene, "-o"], ["paint"],
-                      ["render", scene, "-o", "x.exr", "--samples", "3:2"], ["render", scene, "-o", "x.exr", "-t", "many"],
-                      ["render", scene, "-o", "x.exr", "--unknown"], ["merge", "a.exr"], ["info"], ["spectrum"],
-                      ["spectrum", "show", "no such"], ["serve", "--memory", "x"]):
+    for arguments in (
+        ["render"],
+        ["render", scene],
+        ["render", scene, "-o", "x.jpg"],
+        ["render", scene, "-o"],
+        ["paint"],
+        ["render", scene, "-o", "x.exr", "--samples", "3:2"],
+        ["render", scene, "-o", "x.exr", "-t", "many"],
+        ["render", scene, "-o", "x.exr", "--unknown"],
+        ["merge", "a.exr"],
+        ["info"],
+        ["spectrum"],
+        ["spectrum", "show", "no such"],
+        ["serve", "--memory", "x"],
+    ):
         result = run(*arguments, cwd=tmp_path)
-        assert result.returncode == 2 and len(result.stderr.splitlines()) == 1, (arguments, result.stderr)
+        assert result.returncode == 2 and len(result.stderr.splitlines()) == 1, (
+            arguments,
+            result.stderr,
+        )
         assert b"--help" in result.stderr, result.stderr
     for command in ("render", "merge", "info", "spectrum", "serve"):
         result = run(command, "--help")
         assert result.returncode == 0 and b"Usage: stokes " + command.encode() in result.stdout
     assert b"Usage" in run("--help").stdout
-
-
-# --- Serving -----------------------------------------------------------------------------------------------------
-
-
-class Server:
-    """`stokes serve` and what it has said."""
-
-    def __init__(self, *arguments, fds=()):
-        self.process = subprocess.Popen([STOKES, "serve", *map(str, arguments)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, bufsize=0, pass_fds=fds)
-        self.replies, self.rest = [], b""
-
-    def send(self, data):
-        self.process.stdin.write(data)
-
-    def read(self):
-        data = os.read(self.process.stdout.fileno(), 1 << 16)
-        assert data, "the core has ended: %s" % self.process.stderr.read()
-        replies, self.rest = frames.read(self.rest + data)
-        self.replies += replies
-
-    def wait(self, name, **members):
-        """The first reply of that name with those members that has not been waited for, and all before it is dropped."""
-        while True:
-            for i, (said, told) in enumerate(self.replies):
-                if said == name and all(told.get(key) == value for key, value in members.items()):
-                    del self.replies[:i + 1]
-                    return told
-            self.read()
-
-    def close(self):
-        self.process.stdin.close()
-        self.process.stdout.close()
-        self.process.stderr.close()
-        return self.process.wait(SECONDS)
-
-
-@pytest.fixture
-def server():
-    server = Server()
-    yield server
-    if server.process.poll() is None:
-        server.process.kill()
-        server.process.wait(SECONDS)
-    for stream in (server.process.stdin, server.process.stdout, server.process.stderr):
-        stream.close()
-
-
-LONG = frames.scene(size=256, samples=2)[:-len(frames.render(0, 2))]
-
-
-def start_long_render(server):
-    server.send(LONG + frames.render(0, 1 << 20))
-    server.wait("done", of=7)
-    server.wait("progress")
-
-
-def test_every_frame_gets_one_answer_in_order(server):
-    bad = frames.mesh("Bad", triangles=[0, 1, 9])
-    server.send(START + frames.mesh() + bad + frames.frame("hologram", mandatory=False) + frames.frame("quit"))
-    answers = [server.wait(name)["of"] for name in ("done", "done", "done", "done", "error", "done", "done")]
-    assert answers == [0, 1, 2, 3, 4, 5, 6]
-    assert server.process.wait(SECONDS) == 0
-
-
-def test_a_frame_that_fails_changes_nothing(server):
-    """The mesh of the first frame is still the one that is rendered."""
-    server.send(LONG + frames.mesh(triangles=[0, 1, 9]) + frames.settings(max_path=1, d0="x") + frames.render(0, 1))
-    server.wait("error", object="square", of=8)
-    server.wait("error", object="settings", of=9)
-    report = "\n".join(server.wait("finished")["report"])
-    assert "2 triangles" in report
-    server.wait("done", of=10)
-
-
-def test_cancel_is_quick_and_the_process_stays(server):
-    """The best of a few tries counts: other processes may hold the processor for longer."""
-    start_long_render(server)
-    for attempt in range(TRIES):
-        before = time.monotonic()
-        server.send(frames.frame("cancel"))
-        told = server.wait("finished")
-        took = time.monotonic() - before
-        assert told["cancelled"] and told["samples"] >= 0
-        if took < QUICK:
-            break
-        server.send(frames.render(0, 1 << 20))
-        server.wait("progress")
-    assert took < QUICK
-    server.send(frames.render(0, 1))
-    told = server.wait("finished")
-    assert not told["cancelled"] and told["samples"] == 1
-
-
-def test_cancel_reaches_a_render_that_has_not_begun(server):
-    server.send(LONG + frames.render(0, 1 << 20) + frames.render(0, 1 << 20) + frames.frame("cancel"))
-    assert server.wait("finished")["cancelled"]
-    assert server.wait("finished")["cancelled"]
-
-
-@pytest.mark.parametrize("end, status", [("quit", 0), ("stdin", 0), ("broken", 1)])
-def test_the_end_of_input_ends_a_render_quickly(end, status):
-    times = []
-    while len(times) < TRIES and min(times, default=QUICK) >= QUICK:
-        server = Server()
-        try:
-            start_long_render(server)
-            before = time.monotonic()
-            if end == "stdin":
-                server.process.stdin.close()
-            else:
-                server.send(frames.frame("quit") if end == "quit" else b"X" * 48)
-            assert server.process.wait(SECONDS) == status
-            times.append(time.monotonic() - before)
-        finally:
-            server.process.kill()
-            server.close()
-    assert min(times) < QUICK, times  # and the process is gone
-
-
-def test_a_killed_parent_ends_the_core(tmp_path):
-    """The parent is killed; a sibling still holds the pipe open, so that only the parent's death can tell."""
-    scene = tmp_path / "frames"
-    scene.write_bytes(LONG + frames.render(0, 1 << 20))
-    script = ("import subprocess, sys, time\n"
-              "r = subprocess.Popen([%r, 'serve'], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)\n"
-              "r.stdin.write(open(%r, 'rb').read()); r.stdin.flush()\n"
-              "s = subprocess.Popen(['sleep', '100'], pass_fds=[r.stdin.fileno()])\n"
-              "print(r.pid, s.pid, flush=True); time.sleep(100)\n") % (str(STOKES), str(scene))
-    parent = subprocess.Popen(["python3", "-c", script], stdout=subprocess.PIPE)
-    core, sibling = map(int, parent.stdout.readline().split())
-    try:
-        time.sleep(0.5)
-        assert is_alive(core)
-        parent.kill()
-        parent.wait(SECONDS)
-        end = time.monotonic() + 3
-        while is_alive(core) and time.monotonic() < end:
-            time.sleep(0.01)
-        assert not is_alive(core)
-    finally:
-        os.kill(sibling, signal.SIGKILL)
-        parent.stdout.close()
-
-
-def is_alive(pid):
-    """A zombie that nobody fetches is not."""
-    try:
-        state = pathlib.Path("/proc/%d/stat" % pid).read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state not in "ZX"
-
-
-def test_a_killed_core_leaves_nothing(tmp_path):
-    """kill -9 in the midst of a render to a file: no file, no shared memory with a name."""
-    scene, shared = tmp_path / "scene.stokes", pathlib.Path("/dev/shm")
-    scene.write_bytes(LONG + frames.render(0, 1 << 20))
-    before = set(shared.iterdir())
-    process = subprocess.Popen([STOKES, "render", scene, "-o", tmp_path / "out.exr", "-q"])
-    time.sleep(0.5)
-    process.kill()
-    process.wait(SECONDS)
-    assert [path.name for path in tmp_path.iterdir()] == ["scene.stokes"]
-    assert {path.name for path in set(shared.iterdir()) - before if "stokes" in path.name} == set()
-
-
-def test_interrupt_keeps_whole_passes(tmp_path):
-    scene, out = tmp_path / "scene.stokes", tmp_path / "out.exr"
-    scene.write_bytes(frames.scene(size=64, samples=1 << 20))
-    process = subprocess.Popen([STOKES, "render", scene, "-o", out, "-q"])
-    time.sleep(1)
-    process.send_signal(signal.SIGINT)
-    assert process.wait(SECONDS) == 130
-    samples = int(re.search(rb"samples: 0 to (\d+) of", run("info", out).stdout)[1])
-    assert samples > 0
-    again = tmp_path / "again.exr"
-    assert run("render", scene, "-o", again, "-q", "-s", samples).returncode == 0
-    assert again.read_bytes() == out.read_bytes()
-
-
-def test_a_time_limit_keeps_whole_passes(tmp_path):
-    scene, out, again = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "again.exr"
-    scene.write_bytes(frames.scene(size=64, samples=1 << 20))
-    assert run("render", scene, "-o", out, "-q", "--time-limit", "0.5").returncode == 0
-    samples = int(re.search(rb"samples: 0 to (\d+) of", run("info", out).stdout)[1])
-    assert 0 < samples < 1 << 20
-    assert run("render", scene, "-o", again, "-q", "-s", samples).returncode == 0
-    assert again.read_bytes() == out.read_bytes()
-
-
-def test_a_time_limit_too_short_for_one_pass_gives_one(tmp_path):
-    scene, out = tmp_path / "scene.stokes", tmp_path / "out.exr"
-    scene.write_bytes(frames.scene(size=64, samples=100))
-    assert run("render", scene, "-o", out, "-q", "--time-limit", "0.000001").returncode == 0
-    assert b"samples: 0 to 1 of" in run("info", out).stdout
-
-
-# --- Shared memory -----------------------------------------------------------------------------------------------
-
-
-def memory(size, flags=os.MFD_ALLOW_SEALING):
-    fd = os.memfd_create("test", flags)
-    os.ftruncate(fd, size)
-    return fd, mmap.mmap(fd, size)
-
-
-def shared_mesh(fd_map, at):
-    """A mesh whose positions lie in the shared memory."""
-    data = struct.pack("<12f", *frames.SQUARE)
-    fd_map[at:at + len(data)] = data
-    area = frames.Area()
-    return frames.frame("mesh", {"name": "square", "positions": {"shared": at, "bytes": len(data)},
-                                 "triangles": area.whole(*frames.TRIANGLES)}, area.data)
-
-
-def test_shared_blobs_and_the_film_go_through_memory():
-    fd, shared = memory(1 << 16)
-    film_fd, film = memory(16 * 16 * 16)
-    server = Server("--memory", fd, "--film", film_fd, fds=(fd, film_fd))
-    try:
-        server.send(frames.scene(size=16)[:-len(frames.render(0, 2))] + shared_mesh(shared, 4096))
-        server.wait("done", of=8)
-        with pytest.raises(PermissionError):
-            os.ftruncate(fd, 100)  # sealed by the core
-        server.send(frames.render(0, 4, film={"shared_fd": film_fd, "bytes": 16 * 16 * 16}))
-        server.wait("tile", rect=[0, 0, 16, 16], samples=4)
-        server.wait("finished", samples=4, cancelled=False)
-        pixels = struct.unpack("<1024f", film[:])
-        assert all(abs(value) < 100 for value in pixels)  # few wavelengths: a colour may lie outside the gamut
-        assert sum(pixels[1::4]) > 1 and set(pixels[3::4]) == {1}
-        server.send(frames.render(0, 4, film={"shared_fd": film_fd, "bytes": 1 << 20}))
-        server.wait("error", object="render", property="film.bytes")
-        server.send(frames.render(0, 4, film={"shared_fd": 1, "bytes": 16}))
-        server.wait("error", object="render", property="film.shared_fd")
-        server.send(frames.render(0, 4, film={"shared_fd": film_fd, "bytes": 64}))
-        server.wait("error", object="render", property="film")
-        assert server.process.poll() is None
-    finally:
-        server.process.kill()
-        server.close()
-        os.close(fd)
-        os.close(film_fd)
-
-
-def test_memory_that_cannot_be_sealed_is_an_error():
-    fd, shared = memory(1 << 16, 0)
-    server = Server("--memory", fd, fds=(fd,))
-    try:
-        server.send(START + shared_mesh(shared, 0))
-        assert "MFD_ALLOW_SEALING" in server.wait("error")["text"]
-    finally:
-        server.process.kill()
-        server.close()
-        os.close(fd)
-
-
-def test_a_recording_has_the_fingerprint_of_what_was_shared(tmp_path):
-    """Blobs count by their contents: other places, same scene."""
-    plain = frames.scene()
-    area = frames.Area()
-    area.whole(*range(40))
-    members = {"name": "square", "triangles": area.whole(*frames.TRIANGLES), "positions": area.floats(*frames.SQUARE)}
-    moved = plain.replace(frames.mesh(), frames.frame("mesh", members, area.data))
-    assert moved != plain
-    for name, data in (("a", plain), ("b", moved)):
-        (tmp_path / (name + ".stokes")).write_bytes(data)
-        assert run("render", tmp_path / (name + ".stokes"), "-o", tmp_path / (name + ".exr"), "-q").returncode == 0
-    prints = [re.search(rb"fingerprint: (\w+)", run("info", tmp_path / (name + ".exr")).stdout)[1] for name in "ab"]
-    assert prints[0] == prints[1]
