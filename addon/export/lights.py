@@ -22,6 +22,9 @@ def send_light(shown, matrix, visible, name, context):
     light = shown.data
     if context.cycles(light, "is_portal", False):
         return  # a portal emits nothing: it only guides Cycles' sampling
+    if light.energy < 0:
+        context.warn(light, "energy", "is negative: the light is left out")
+        return
     _warn(light, matrix, context)
     kind, factor, members = _KINDS[light.type](light, matrix, context)
     if 0 in members.get("size", ()):

@@ -299,6 +299,7 @@ for kind in ('POINT', 'SUN', 'SPOT', 'AREA'):
     light = bpy.data.lights.new(kind, kind)
     light.energy = 0
     add(kind, light).scale = (0, 0, 0)
+bpy.data.lights["SUN"].energy = -1
 twin = bpy.data.lights.new("Twin", 'AREA')
 twin.size = 0
 add("Twin", twin)
