@@ -82,6 +82,15 @@ static void index_cdf(struct spectrum *s)
     }
 }
 
+static void set_slopes(struct spectrum *s)
+{
+    for (uint32_t i = 0; i + 1 < s->count; i++) {
+        float length = s->lambda[i + 1] - s->lambda[i];
+        s->slope[i] = length > 0 ? (s->value[i + 1] - s->value[i]) / length : 0;
+    }
+    s->slope[s->count - 1] = 0;
+}
+
 static void accumulate(struct spectrum *s)
 {
     s->cumulative[0] = 0;
@@ -100,15 +109,17 @@ struct spectrum *knots_finish(struct knots *k, const char *name, stokes_error *e
             .count = (uint32_t)k->count, .lambda = k->lambda, .value = k->value, .bucket_count = buckets};
         *k = (struct knots){0};
         s->cumulative = malloc(s->count * sizeof *s->cumulative);
+        s->slope = malloc(s->count * sizeof *s->slope);
         s->guide = malloc(s->count * sizeof *s->guide);
         s->bucket = malloc(s->bucket_count * sizeof *s->bucket);
     }
     knots_free(k);
-    if (!s || !s->cumulative || !s->guide || !s->bucket) {
+    if (!s || !s->cumulative || !s->slope || !s->guide || !s->bucket) {
         spectrum_destroy(s);
         fail(err, name, "spectrum", "out of memory");
         return NULL;
     }
+    set_slopes(s);
     accumulate(s);
     if (!isfinite(s->cumulative[s->count - 1])) {
         spectrum_destroy(s);
@@ -127,6 +138,7 @@ void spectrum_destroy(struct spectrum *s)
     free(s->lambda);
     free(s->value);
     free(s->cumulative);
+    free(s->slope);
     free(s->guide);
     free(s->bucket);
     free(s);

@@ -36,11 +36,10 @@ static inline uint32_t spectrum_segment(const struct spectrum *s, float lambda_n
     return i;
 }
 
-/* The value of segment i's line at a wavelength. */
+/* The value of segment i's line at a wavelength of it. */
 static inline float segment_value(const struct spectrum *s, uint32_t i, float lambda_nm)
 {
-    float l0 = s->lambda[i], l1 = s->lambda[i + 1], v0 = s->value[i], v1 = s->value[i + 1];
-    return lambda_nm >= l1 ? v1 : v0 + (v1 - v0) * ((lambda_nm - l0) / (l1 - l0));
+    return lambda_nm >= s->lambda[i + 1] ? s->value[i + 1] : s->value[i] + (lambda_nm - s->lambda[i]) * s->slope[i];
 }
 
 #endif

@@ -24,6 +24,7 @@ struct spectrum {
     uint32_t count;     /* knots */
     float *lambda;      /* ascending, first = Λ.min, last = Λ.max; two equal neighbours make a step */
     float *value;       /* at the knots */
+    float *slope;       /* of the segment after each knot, nm⁻¹; 0 across a step */
     double *cumulative; /* ∫ from Λ.min to the knot */
     uint32_t *bucket;   /* first candidate segment of each bucket_nm-wide bucket of Λ */
     uint32_t bucket_count;
