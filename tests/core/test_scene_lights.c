@@ -243,6 +243,74 @@ static void direction_densities_integrate_to_one(void **state)
     assert_estimates(found, exact, count, (struct power){.sees_error = 0.08});
 }
 
+static struct scene *make_stretched_spot(void)
+{
+    return with_lamp((struct light_input){
+        .shape = LIGHT_SPOT, .transform = scenes_transform(11, 1, 1), .angle = 1.5f, .blend = 0.6f});
+}
+
+/* ∫ of emission, times a function that is not even in any direction, by drawn directions and by uniform ones. */
+static void directions_are_drawn_with_their_density(void **state)
+{
+    (void)state;
+    static struct scene *(*const make[])(void) = {make_rectangle, make_spot,           make_stretched_spot,
+                                                  make_point,     make_two_sided_mesh, make_one_sided_mesh};
+    enum { KINDS = sizeof make / sizeof *make };
+    struct batches drawn[KINDS] = {0}, uniform[KINDS] = {0};
+    for (size_t k = 0; k < KINDS; k++) {
+        struct scene *scene = make[k]();
+        for (uint64_t b = 0; b < BATCHES; b++) {
+            double by_density = 0, by_all = 0;
+            for (uint64_t i = 0; i < DRAWS; i++) {
+                float u[5], pdf;
+                struct light_point point;
+                struct vec3 origin, d, all = scenes_direction(1000 + k, b * DRAWS + i);
+                draw_numbers(1100 + k, b * DRAWS + i, u, 5);
+                scene_sample_light(scene, u, &point, &pdf);
+                if (scene_sample_light_direction(scene, &point, u + 3, &origin, &d, &pdf)) {
+                    float cosine = point.has_normal ? fabsf(dot(d, point.normal)) : 1;
+                    by_density += (1 + 0.5f * d.x - 0.3f * d.y + cosine) *
+                                  scene_light_emission(scene, &point, d, LAMBDA) / pdf;
+                }
+                float cosine = point.has_normal ? fabsf(dot(all, point.normal)) : 1;
+                by_all += (1 + 0.5f * all.x - 0.3f * all.y + cosine) * 4 * PI_F *
+                          (point.has_normal ? cosine : 1) * scene_light_emission(scene, &point, all, LAMBDA);
+            }
+            batches_add(&drawn[k], by_density / DRAWS);
+            batches_add(&uniform[k], by_all / DRAWS);
+        }
+        scene_destroy(scene);
+    }
+    assert_same(drawn, uniform, KINDS, (struct power){.sees_error = 0.1});
+}
+
+/* Cycles' smoothstep between the cone's rim and the cosine that `blend` says, for a cone of half-angle 0.6
+   and blend 0.3. */
+static void spots_fall_off_between_rim_and_blend(void **state)
+{
+    (void)state;
+    struct scene *scene = make_spot();
+    struct transform t = tilted(1);
+    float u[3] = {0}, pdf;
+    struct light_point point;
+    assert_true(scene_sample_light(scene, u, &point, &pdf));
+    static const struct {
+        double part, value; /* of the way from the rim to the axis, in cosine */
+    } steps[] = {{-0.01, 0},  {0.003, 0.0003 - 2e-6}, {0.075, 0.15625},
+                 {0.15, 0.5}, {0.225, 0.84375},       {0.31, 1},
+                 {0.99, 1}};
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        double z = cos(0.6) + steps[i].part * (1 - cos(0.6)), r = sqrt(1 - z * z);
+        for (float phi = 0; phi < 6; phi += 1) {
+            struct vec3 local = vec3((float)r * cosf(phi), (float)r * sinf(phi), (float)-z);
+            assert_float_equal(scene_light_emission(scene, &point, transform_vector(&t, local), LAMBDA) /
+                                   PER_NM,
+                               steps[i].value, 2e-5);
+        }
+    }
+    scene_destroy(scene);
+}
+
 /* Beside a lamp of known power, a light is chosen by its own; a distant light's falls on the cross-section of
    the scene. */
 static void lights_are_chosen_by_the_power_that_physics_gives(void **state)
@@ -438,6 +506,8 @@ int main(void)
         cmocka_unit_test(densities_are_those_that_are_drawn_from),
         cmocka_unit_test(direction_densities_integrate_to_one),
         cmocka_unit_test(lights_are_chosen_by_the_power_that_physics_gives),
+        cmocka_unit_test(directions_are_drawn_with_their_density),
+        cmocka_unit_test(spots_fall_off_between_rim_and_blend),
         cmocka_unit_test(emitted_power_is_what_physics_says),
         cmocka_unit_test(distant_lights_give_their_irradiance),
         cmocka_unit_test(world_density_integrates_to_one_and_covers_all_that_shines),
