@@ -48,12 +48,12 @@ class ExportContext:
         if self.strict:
             raise StrictError("%s: %s: %s" % entry)
 
-    def image(self, image):
-        """Sends a bpy image once; returns its name in the stream, or None (after a warning) if it
-        has no pixels."""
-        name = image.name_full
+    def image(self, image, times_alpha=False):
+        """Sends a bpy image once, or once more with its colours multiplied by alpha; returns its
+        name in the stream, or None (after a warning) if it has no pixels."""
+        name = image.name_full + (" × alpha" if times_alpha else "")
         if name not in self._sent_images:
-            self._sent_images[name] = images.send(image, name, self)
+            self._sent_images[name] = images.send(image, name, self, times_alpha)
         return name if self._sent_images[name] else None
 
     def cycles(self, owner, name, default):

@@ -1,11 +1,26 @@
 """A bpy image as an `image` message: its pixels as floats, with the name of their colour space."""
 
 from array import array
+from operator import mul
 
 from ..core.stream import Blob
 
 
-def send(image, name, context):
+_ALPHA_DEPTHS = {32, 64, 128}  # bits per pixel of four channels
+
+
+def is_sheer(image):
+    """Whether Cycles multiplies its colours by alpha, which it undoes only where a node's alpha is
+    used."""
+    has_alpha = image.channels == 4 and image.depth in _ALPHA_DEPTHS
+    return (
+        has_alpha
+        and image.alpha_mode in {'STRAIGHT', 'PREMUL'}
+        and not image.colorspace_settings.is_data
+    )
+
+
+def send(image, name, context, times_alpha=False):
     """True if the image has been sent; else a warning has said why not."""
     if image.source == 'TILED':
         context.warn(image, "source", "of a tiled (UDIM) image only the first tile is used")
@@ -21,7 +36,7 @@ def send(image, name, context):
     if channels == 2:
         pixels, channels = _grey_alpha_to_rgba(pixels), 4
     if channels == 4:
-        _apply_alpha_mode(image, pixels)
+        _apply_alpha_mode(image, pixels, times_alpha)
     context.send(
         "image",
         name=name,
@@ -52,13 +67,25 @@ def _grey_alpha_to_rgba(pixels):
     return wide
 
 
-def _apply_alpha_mode(image, pixels):
+def _apply_alpha_mode(image, pixels, times_alpha):
     """Colour and alpha as Cycles' two outputs give them: alpha 1 where it is not asked for, and
-    colours that are not multiplied by it, as Blender's float images are."""
+    colours multiplied by it or not. Blender's float images are multiplied, those of bytes not;
+    and Cycles multiplies bytes as they are stored, before they are decoded."""
     if image.alpha_mode == 'NONE':
         pixels[3::4] = array("f", [1.0]) * (len(pixels) // 4)
+    elif times_alpha:
+        if not image.is_float:
+            _multiply_by_alpha(pixels)
     elif image.is_float and image.alpha_mode != 'CHANNEL_PACKED':
         _divide_by_alpha(pixels)
+
+
+def _multiply_by_alpha(pixels):
+    alphas = pixels[3::4]
+    if min(alphas) >= 1.0:
+        return
+    for channel in range(3):
+        pixels[channel::4] = array("f", map(mul, pixels[channel::4], alphas))
 
 
 def _divide_by_alpha(pixels):

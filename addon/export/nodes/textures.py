@@ -2,11 +2,13 @@
 
 from mathutils import Euler, Matrix
 
+from .. import images
 from .registry import evaluates, key_of
 from .values import Constant, Environment, Textured, Varying, as_rgb
 
 _EXTENSIONS = {'REPEAT': "repeat", 'EXTEND': "extend", 'CLIP': "clip", 'MIRROR': "mirror"}
 _PROJECTIONS = {"UV": "uv", "Generated": "generated", "Object": "object", "Window": "window"}
+_FLAT = (0.5, 0.5, 1.0)  # the colour of no change in a normal map
 _MISSING = (1.0, 0.0, 1.0)  # Cycles' own colour of an image that is not there
 
 
@@ -15,12 +17,22 @@ def flat(matrix):
     return [matrix[row][column] for row in range(3) for column in range(4)]
 
 
+def _image(node, graph, times_alpha):
+    """Its name in the stream. Cycles multiplies colours by alpha, unless alpha is used beside
+    them."""
+    if node.image is None:
+        graph.warn(node, "has no image; Cycles' magenta is used")
+        return None
+    if times_alpha and images.is_sheer(node.image):
+        return graph.context.image(node.image, times_alpha=True)
+    return graph.context.image(node.image)
+
+
 @evaluates("ShaderNodeTexImage")
 def image_texture(node, output, graph):
-    name = graph.context.image(node.image) if node.image else None
+    alpha_is_used = any(each.is_linked for each in node.outputs if each.identifier == "Alpha")
+    name = _image(node, graph, not alpha_is_used)
     if name is None:
-        if node.image is None:
-            graph.warn(node, "has no image; Cycles' magenta is used")
         return Constant(_MISSING if output.identifier == "Color" else 1.0)
     if node.projection != 'FLAT':
         graph.warn(
@@ -50,10 +62,8 @@ def image_texture(node, output, graph):
 
 @evaluates("ShaderNodeTexEnvironment")
 def environment_texture(node, output, graph):
-    name = graph.context.image(node.image) if node.image else None
+    name = _image(node, graph, True)
     if name is None:
-        if node.image is None:
-            graph.warn(node, "has no image; Cycles' magenta is used")
         return Constant(_MISSING)
     if node.projection != 'EQUIRECTANGULAR':
         graph.warn(
@@ -203,9 +213,7 @@ def _normal_map(node, graph):
         return None
     color = graph.value(graph.input(node, "Color"))
     if not isinstance(color, Textured):
-        return (
-            None
-            if isinstance(color, Constant)
-            else graph.warn(node, "its colour must be an image; the surface's own normal is used")
-        )
+        if not isinstance(color, Constant) or as_rgb(color.value) != _FLAT:
+            graph.warn(node, "its colour must be an image; the surface's own normal is used")
+        return None
     return {"texture": color.texture, "strength": graph.number(node, "Strength")}
