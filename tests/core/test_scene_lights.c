@@ -429,6 +429,38 @@ static void world_density_integrates_to_one_and_covers_all_that_shines(void **st
     scene_destroy(scene);
 }
 
+/* One white texel in a black map of 4 × 2: its centre, by Cycles' layout, and no other texel's shines. */
+static void world_images_are_laid_out_as_in_cycles(void **state)
+{
+    (void)state;
+    /* u = 1/8, 3/8, 5/8, 7/8 are azimuths of 135°, 45°, −45°, −135° about z from +x; v = 1/4 is below, 3/4
+       above */
+    static const float azimuth[4] = {135, 45, -45, -135};
+    stokes_error err;
+    struct scene *scene = scene_create();
+    struct world_input world = {
+        .image = "map", .scale = 1, .to_map = scenes_identity, .visible = scenes_visible};
+    assert_true(scene_set_world(scene, &world, &err));
+    for (int white = 0; white < 8; white++) {
+        float pixels[8] = {0};
+        pixels[white] = 1;
+        assert_true(
+            scene_add_image(scene, image_create("map", 4, 2, 1, false, pixels, sizeof pixels, &err), &err));
+        scenes_commit(scene);
+        for (int i = 0; i < 8; i++) {
+            float phi = azimuth[i % 4] * PI_F / 180, z = i < 4 ? -sqrtf(0.5f) : sqrtf(0.5f);
+            struct ray ray = {vec3(0, 0, 0), vec3(sqrtf(0.5f) * cosf(phi), sqrtf(0.5f) * sinf(phi), z), 0,
+                              INFINITY, RAY_CAMERA};
+            struct light_point point;
+            assert_int_equal(scene_distant_along(scene, &ray, &point, 1), 1);
+            /* white of radiance 1 is D65/∫D65, 1/530 per nm on the average */
+            float radiance = scene_light_emission(scene, &point, negate(ray.direction), 560);
+            assert_float_equal(radiance * WIDTH, i == white ? 1 : 0, i == white ? 0.5 : 1e-4);
+        }
+    }
+    scene_destroy(scene);
+}
+
 /* The radiance of the whole sky, by its own density and by uniform directions. */
 static void world_is_drawn_as_its_density_says(void **state)
 {
@@ -511,6 +543,7 @@ int main(void)
         cmocka_unit_test(emitted_power_is_what_physics_says),
         cmocka_unit_test(distant_lights_give_their_irradiance),
         cmocka_unit_test(world_density_integrates_to_one_and_covers_all_that_shines),
+        cmocka_unit_test(world_images_are_laid_out_as_in_cycles),
         cmocka_unit_test(world_is_drawn_as_its_density_says),
         cmocka_unit_test(rays_find_lamps_as_sampling_draws_them),
     };
