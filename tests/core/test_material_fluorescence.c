@@ -224,6 +224,20 @@ static void both_faces_reflect_and_nothing_passes(void **state)
     material_destroy(m);
 }
 
+static void values_carry_the_shading_normals_factor(void **state)
+{
+    (void)state;
+    struct material *m = kit_compile(kit_dye(0.5f, 0.5f, 420, 560, 1, false));
+    struct vec3 ns = normalize(vec3(0.3f, 0.1f, 0.9f)), light = normalize(vec3(-0.4f, 0.2f, 0.6f));
+    struct surface s = kit_surface(m, UP, ns);
+    const struct fluorophore *dye = m->lobe[0].fluorophore;
+    double expected = 0.5 / PI_F * spectrum_eval(dye->reradiation, 430) * spectrum_eval(dye->emission, 570);
+    assert_float_equal(
+        surface_fluorescent(&s, 0, light, UP, 430, 570) / (expected * dot(light, ns) / light.z), 1, 1e-5);
+    assert_float_equal(surface_fluorescent(&s, 0, UP, light, 430, 570) / (expected * ns.z), 1, 1e-5);
+    material_destroy(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -236,6 +250,7 @@ int main(void)
         cmocka_unit_test(a_quantum_yield_is_a_share_of_photons),
         cmocka_unit_test(emission_is_normalised_whatever_its_peak),
         cmocka_unit_test(both_faces_reflect_and_nothing_passes),
+        cmocka_unit_test(values_carry_the_shading_normals_factor),
     };
     return cmocka_run_group_tests_name("material, fluorescence", tests, NULL, NULL);
 }

@@ -104,7 +104,7 @@ static struct batches albedo(const struct principled_case *p, uint32_t seed)
     struct batches result = {0};
     for (int b = 0; b < 32; b++) {
         double sum = 0;
-        enum { DRAWS = 3600 };
+        enum { DRAWS = 5000 };
         for (int n = 0; n < DRAWS; n++) {
             const float u[4] = {kit_uniform(&r), kit_uniform(&r), kit_uniform(&r), kit_uniform(&r)};
             struct scatter d;
