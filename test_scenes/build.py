@@ -49,12 +49,19 @@ def empty_scene():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("Black")
-    scene.world.use_nodes = True
+    use_nodes(scene.world)
     background = next(
         node for node in scene.world.node_tree.nodes if node.bl_idname == "ShaderNodeBackground"
     )
     background.inputs[0].default_value = (0.0, 0.0, 0.0, 1.0)
     return scene
+
+
+def use_nodes(owner):
+    """From 5.0 on materials and worlds have a tree from the start, and asking for one warns of its
+    end."""
+    if owner.node_tree is None:
+        owner.use_nodes = True
 
 
 def place(name, data, matrix=None):
@@ -68,7 +75,7 @@ def place(name, data, matrix=None):
 def material(name, make):
     """A material whose surface is the node that make(tree) returns."""
     result = bpy.data.materials.new(name)
-    result.use_nodes = True
+    use_nodes(result)
     tree = result.node_tree
     for node in list(tree.nodes):
         if node.bl_idname != "ShaderNodeOutputMaterial":
@@ -151,7 +158,7 @@ def area_lamp(name, center, size, radiance):
     light.size, light.size_y = size
     factor = 4.0 if bpy.app.version < (4, 0, 0) else math.pi
     light.energy = radiance * factor * size[0] * size[1]
-    light.use_nodes = True
+    use_nodes(light)
     return place(name, light, Matrix.Translation(center))
 
 

@@ -374,6 +374,29 @@ tell(told)
     assert [warning[1] for warning in found[6]] == ["its factor cannot vary here; half of each is used"]
 
 
+def test_a_surface_with_too_many_lobes_is_cut_to_its_stronger_parts(host, tmp_path):
+    found = tell(host, tmp_path, """
+def leaves(closure):
+    if "mix" not in closure: return [closure["reflectance"]["rgb"][0]]
+    return leaves(closure["mix"][0]) + leaves(closure["mix"][1])
+
+def leaf(value):
+    return give(node("ShaderNodeBsdfDiffuse"), Color=(value, value, value, 1))
+
+told = []
+for factor in (.25, .75):
+    shader = leaf(0)
+    for i in range(1, 10):
+        mix = give(node("ShaderNodeMixShader"), Fac=factor)
+        link(shader, mix.inputs[1]); link(leaf(i / 16), mix.inputs[2])
+        shader = mix
+    told.append([round(16 * value) for value in leaves(surface(shader))])
+tell(told + [[warning[1:] for warning in context.warnings]])
+""")
+    assert found[0] == [0, 3, 4, 5, 6, 7, 8, 9] and found[1] == [2, 3, 4, 5, 6, 7, 8, 9]
+    assert found[2] == [["Material Output", "the surface has more than 8 lobes; the weakest are cut"]]
+
+
 def test_what_is_not_supported_is_named_with_what_is_used(host, tmp_path):
     found = tell(host, tmp_path, """
 noise = node("ShaderNodeTexNoise")

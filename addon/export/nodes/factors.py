@@ -6,6 +6,7 @@ from .graph import own_value
 from .registry import evaluates
 from .values import Constant, Varying, luminance
 
+
 @evaluates("ShaderNodeRGB", "ShaderNodeValue")
 def plain(node, output, graph):
     return own_value(output)

@@ -1,6 +1,7 @@
 """Walks a node tree from an output back: links, reroutes, muted nodes, groups in groups.
 Sockets are found by identifier: names differ between versions and languages."""
 
+import math
 from contextlib import contextmanager
 
 from ... import nodes
@@ -59,6 +60,7 @@ class Graph:
         self.path = ()  # the groups that the walk is in, outermost first
         self.sides = {}  # of colours that split the closure that is being translated: 0 or 1
         self.camera_ray = 1.0  # what Light Path says of it
+        self.splits = SPLITS
         self.in_closure = False  # somebody waits for a Split
         self.may_split = False
 
@@ -169,7 +171,7 @@ class Graph:
         key = (node.as_pointer(), tuple(group.as_pointer() for group in self.path))
         if key in self.sides:
             return second() if self.sides[key] else first()
-        if not self.may_split or len(self.sides) >= SPLITS or factor is None:
+        if not self.may_split or len(self.sides) >= self.splits or factor is None:
             return None
         raise Split(key, factor)
 
@@ -194,7 +196,10 @@ class Graph:
     def _evaluate(self, node, output, socket):
         evaluate = VALUES.get(key_of(node))
         if evaluate is not None:
-            return evaluate(node, output, self)
+            try:
+                return finite(evaluate(node, output, self))
+            except ArithmeticError:
+                return Constant(0.0)  # Cycles' answer where there is none
         instead = Constant(_MEANS[node.bl_idname]) if node.bl_idname in _MEANS else None
         if instead is None:
             instead = own_value(socket) if socket is not None else Constant(0.5)
@@ -298,6 +303,10 @@ class Graph:
     def light(self, color, strength, node):
         """L of a colour value and a number."""
         if isinstance(color, Spectral):
+            values = on_grid(color.spectrum)
+            if values and max(values) < 1e-12:
+                self.warn(node, "the spectrum holds no light; black is used")
+                return {"rgb": [0.0, 0.0, 0.0], "scale": 1.0}
             return {"shape": color.spectrum, "scale": strength, "unit": color.unit}
         if isinstance(color, Textured):
             return {"texture": color.texture, "scale": strength * color.scale}
@@ -326,6 +335,15 @@ def own_value(socket):
     return Constant(
         0.0 if isinstance(value, str) else tuple(decimal(channel) for channel in value[:3])
     )
+
+
+def finite(value):
+    """A constant without what is no number; whatever else is left as it is."""
+    if isinstance(value, Constant):
+        numbers = value.value if isinstance(value.value, tuple) else (value.value,)
+        if not all(math.isfinite(number) for number in numbers):
+            return Constant(0.0)
+    return value
 
 
 def decimal(number):

@@ -3,6 +3,7 @@ back from it."""
 
 import bpy
 
+from . import lobes
 from .closures import light_of, plain
 from .graph import Graph, decimal, describe
 from .registry import key_of
@@ -38,7 +39,13 @@ def surface(material, context):
     volume = graph.socket(output, "Volume")
     if not graph.is_linked(shown) and volume is not None and graph.is_linked(volume):
         return {"bsdf": "transparent", "color": 1.0}  # the skin of a volume is not seen
-    return graph.closure(shown)
+    closure = graph.closure(shown)
+    if lobes.count(closure) > lobes.LOBES:
+        graph.splits = 0  # fewer lobes, the colours' mixes cut to their middle
+        closure = graph.closure(shown)
+    if lobes.count(closure) > lobes.LOBES:
+        graph.warn(output, "the surface has more than %d lobes; the weakest are cut" % lobes.LOBES)
+    return lobes.fit(closure)
 
 
 def light_emission(light, context):

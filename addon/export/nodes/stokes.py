@@ -128,9 +128,9 @@ def gaussian(node, output, graph):
     return Spectral(
         {
             "gaussian": {
-                "mean": graph.number(node, "Mean"),
-                "sigma": graph.number(node, "Sigma", low=0.1),
-                "peak": graph.number(node, "Peak", low=0.0),
+                "mean": graph.number(node, "Mean", low=1.0, high=1e5),
+                "sigma": graph.number(node, "Sigma", low=0.1, high=1e4),
+                "peak": graph.number(node, "Peak", low=0.0, high=1e6),
             }
         },
         nodes.settings_of(node).unit,
@@ -142,8 +142,8 @@ def line(node, output, graph):
     return Spectral(
         {
             "line": {
-                "center": graph.number(node, "Center"),
-                "width": graph.number(node, "Width", low=1.0),
+                "center": graph.number(node, "Center", low=1.0, high=1e5),
+                "width": graph.number(node, "Width", low=1.0, high=1e4),
             }
         },
         nodes.settings_of(node).unit,
