@@ -133,7 +133,8 @@ double link_factor(const struct integrator *it, const struct full_path *path, co
         return path->light->delta ? 0 : it->exact ? exact_wavelength(it, path, chart, 0) : 1;
     if (is_specular(path, c - 1) || is_specular(path, c))
         return 0;
-    if (path->edges == 1 && !scene_light_seen_by_camera(it->scene, path->light))
+    /* The light seen by the camera itself: joint_camera_vertex makes no such path to a distant one. */
+    if (path->edges == 1 && (path->light->distant || !scene_light_seen_by_camera(it->scene, path->light)))
         return 0;
     return (it->exact ? exact_wavelength(it, path, chart, c) : mollified_wavelength(it, path, c)) /
            path->step[c].geometry;

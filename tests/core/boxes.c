@@ -199,6 +199,28 @@ static void add_camera(struct scene *scene, int pixels)
     expect(scene_set_camera(scene, &camera, &err), &err);
 }
 
+static void commit(struct scene *scene, struct range range)
+{
+    struct scene_setup setup = {.range = range, .uv_rule = UV_HOLD, .threads = 1};
+    stokes_error err;
+    working_space_rec709(&setup.working_space);
+    expect(scene_commit(scene, &setup, &err), &err);
+}
+
+struct scene *world_scene(struct range range, float radiance_per_nm, int pixels)
+{
+    struct scene *scene = scene_create();
+    struct world_input world = {.scale = 1, .visible = {true, true, true, true, true}};
+    stokes_error err;
+    world.emission = calloc(1, sizeof *world.emission);
+    world.emission->spectrum = spectrum_constant(range, radiance_per_nm);
+    world.emission->scale = 1;
+    expect(scene_set_world(scene, &world, &err), &err);
+    add_camera(scene, pixels);
+    commit(scene, range);
+    return scene;
+}
+
 struct scene *box_scene(struct range range, bool lenses, int pixels)
 {
     static const float lamp[4][3] = {
@@ -214,8 +236,6 @@ struct scene *box_scene(struct range range, bool lenses, int pixels)
     box_add_quad(scene, "lamp", "lamp", lamp);
     box_add_sphere(scene, "ball", "glass", lenses ? (float[3]){0, 0, 0.5f} : (float[3]){0.3f, 0.3f, -0.5f},
                    lenses ? 0.35f : 0.4f);
-    struct scene_setup setup = {.range = range, .uv_rule = UV_HOLD, .threads = 1};
-    working_space_rec709(&setup.working_space);
-    expect(scene_commit(scene, &setup, &err), &err);
+    commit(scene, range);
     return scene;
 }

@@ -17,6 +17,9 @@ void box_add_quad(struct scene *, const char *name, const char *material, const 
 void box_add_sphere(struct scene *, const char *name, const char *material, const float center[3],
                     float radius);
 
+/* Nothing but a constant world, of this radiance per nm, and the camera. Committed. */
+struct scene *world_scene(struct range, float radiance_per_nm, int pixels);
+
 /* A closed unit box, floor and right wall fluorescent, the rest grey, a square lamp under the ceiling, the camera in the middle of
    the front. With `lenses`, the lamp hangs inside a ball of dispersive glass. Committed. */
 struct scene *box_scene(struct range, bool lenses, int pixels);

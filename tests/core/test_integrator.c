@@ -180,9 +180,42 @@ static void techniques_deliver_what_they_claim_with_the_lamp_in_glass(void **sta
     assert_techniques_deliver(*state, true, 64, 0.02);
 }
 
+/* Mean of Y over the film, against the world's own. (X+Y+Z is what p_cam draws from: it has no variance here.) */
+static void the_empty_world_has_its_radiance(void **state)
+{
+    enum { PIXELS = 16, SAMPLES = 64 };
+    static const double radiance = 0.01;
+    struct scene *scene = world_scene(range, (float)radiance, PIXELS);
+    int border[4] = {0, 0, PIXELS, PIXELS};
+    struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
+    struct integrator_settings settings = integrator_settings_default();
+    settings.name = *state;
+    struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
+    struct batches batches = {0};
+    double exact = 0;
+    assert_non_null(it);
+    for (float lambda = CMF_MIN_NM; lambda < CMF_MAX_NM; lambda++) {
+        float cmf[3];
+        cmf_eval(lambda, cmf);
+        exact += it->kappa * radiance * (double)cmf[1];
+    }
+    for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++) {
+        for (int sample = 0; sample < SAMPLES; sample++)
+            integrator_sample(it, 0, pixel % PIXELS, pixel / PIXELS, sample);
+        batches_add(&batches, (double)film->sum[4 * pixel + 1] / (1 << FILM_FRACTION_BITS) / SAMPLES);
+    }
+    assert_unbiased(&batches, &exact, 1, (struct power){.sees_error = 0.01});
+    integrator_destroy(it);
+    film_destroy(film);
+    scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_prestate(the_empty_world_has_its_radiance, "pt"),
+        cmocka_unit_test_prestate(the_empty_world_has_its_radiance, "mbdpt"),
+        cmocka_unit_test_prestate(the_empty_world_has_its_radiance, "bdpt"),
         cmocka_unit_test(weights_are_the_plain_products_and_sum_to_one),
         cmocka_unit_test_prestate(techniques_deliver_what_they_claim_in_the_open, "mbdpt"),
         cmocka_unit_test_prestate(techniques_deliver_what_they_claim_with_the_lamp_in_glass, "mbdpt"),
