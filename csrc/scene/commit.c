@@ -49,7 +49,7 @@ static bool set_context(struct scene *scene, const struct scene_setup *setup, st
     scene->rgb_table = NULL;
     scene->illuminant = NULL;
     scene->default_material = NULL;
-    scene->materials_dirty = scene->lights_dirty = true;
+    scene->materials_dirty = scene->images_dirty = scene->lights_dirty = true;
     scene->context = (struct material_context){.range = setup->range,
                                                .uv_rule = setup->uv_rule,
                                                .working_space = setup->working_space,
@@ -370,7 +370,8 @@ bool scene_commit(struct scene *scene, const struct scene_setup *setup, stokes_e
     if ((rebuild_lights || scene->camera_dirty) && !scene_weigh_lights(scene, err))
         return false;
     free_unused_images(scene);
-    scene->geometry_dirty = scene->materials_dirty = scene->lights_dirty = scene->camera_dirty = false;
+    scene->geometry_dirty = scene->materials_dirty = scene->images_dirty = false;
+    scene->lights_dirty = scene->camera_dirty = false;
     scene->committed = true;
     return true;
 }

@@ -154,7 +154,7 @@ bool scene_add_image(struct scene *scene, struct image *image, stokes_error *err
         image_destroy(image);
         return false;
     }
-    scene->lights_dirty = true; /* they keep mean colours */
+    scene->images_dirty = scene->lights_dirty = true; /* lights keep mean colours */
     scene->committed = false;
     if (old) {
         refill_image(old, image);
@@ -200,8 +200,10 @@ bool scene_remove(struct scene *scene, const char *kind, const char *name, stoke
     if (!registry_find(registry, name))
         return fail(err, name, "name", "there is no %s of this name", kind);
     scene->committed = false;
-    if (registry == &scene->images)
+    if (registry == &scene->images) {
+        scene->images_dirty = scene->lights_dirty = true;
         return retire_image(scene, name) || fail(err, name, "image", "no memory");
+    }
     void *item = registry_take(registry, name);
     if (registry == &scene->materials) {
         material_slot_destroy(item);

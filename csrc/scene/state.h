@@ -237,7 +237,7 @@ struct scene {
     size_t retired_count;
     struct world *world;
     struct camera *camera;
-    bool geometry_dirty, materials_dirty, lights_dirty, camera_dirty;
+    bool geometry_dirty, materials_dirty, images_dirty, lights_dirty, camera_dirty;
 
     /* What scene_commit makes. */
     bool committed;

@@ -262,8 +262,10 @@ bool world_compile(struct scene *scene, stokes_error *err)
     const struct image *image = scene_find_image(scene, world->image_name);
     if (!image)
         return fail(err, "world", "image", "there is no image named \"%.200s\"", world->image_name);
-    map_destroy(world->map);
-    world->map = map_create(image, scene->context.luminance);
+    if (scene->images_dirty || !world->map) {
+        map_destroy(world->map);
+        world->map = map_create(image, scene->context.luminance);
+    }
     if (!world->map)
         return fail(err, "world", "image", "no memory for its importance map");
     world->texture = (struct texture){.image = image,
