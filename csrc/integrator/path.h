@@ -34,7 +34,7 @@ struct vertex {
     bool passed;
     float passage;
     bool disperses;     /* passed by a refraction whose direction depends on the wavelength */
-    bool run_disperses; /* some vertex of this run before this one did (exact.md §2) */
+    bool run_disperses; /* some vertex of this run before this one did (algorithm.md §9) */
     uint8_t bounces[SCATTER_CLASSES];
     float pdf_point;          /* VERTEX_LIGHT: of choosing light and point */
     struct light_point light; /* VERTEX_LIGHT */
