@@ -244,7 +244,7 @@ class StokesSettings(bpy.types.PropertyGroup):
         max=1024,
     )
     max_camera: IntProperty(
-        name="From the Camera",
+        name="Camera Part",
         description="Longest part of a path traced from the camera, in segments",
         default=32,
         min=1,
@@ -252,7 +252,7 @@ class StokesSettings(bpy.types.PropertyGroup):
         max=1024,
     )
     max_light: IntProperty(
-        name="From the Lights",
+        name="Light Part",
         description="Longest part of a path traced from a light, in segments",
         default=32,
         min=0,

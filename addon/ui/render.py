@@ -47,8 +47,8 @@ class STOKES_PT_sampling(RenderPanel, bpy.types.Panel):
         column = column_of(self.layout)
         column.prop(settings, "integrator")
         column.separator()
-        group = column.column(align=True, heading="Samples")
-        group.prop(settings, "samples", text="Render")
+        group = column.column(align=True)
+        group.prop(settings, "samples", text="Samples")
         group.prop(settings, "viewport_samples", text="Viewport")
         group.prop(settings, "preview_samples", text="Preview")
         column.separator()
@@ -157,7 +157,7 @@ class STOKES_PT_report(RenderPanel, bpy.types.Panel):
     def draw(self, context):
         settings = context.scene.stokes
         self.layout.operator("stokes.check_scene", icon='VIEWZOOM')
-        report.draw(self.layout)
+        report.draw(self.layout, context)
         column_of(self.layout).prop(settings, "strict")
 
 

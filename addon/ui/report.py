@@ -75,12 +75,13 @@ class STOKES_OT_check_scene(bpy.types.Operator):
         return {'FINISHED'}
 
 
-def draw(layout):
+def draw(layout, context):
     if _warnings is None:
         return
     if not _warnings:
         layout.label(text="Everything is supported", icon='CHECKMARK')
         return
+    width = _letters(context)
     owner = None
     box = None
     for name, prop, text in _warnings[:SHOWN]:
@@ -88,12 +89,18 @@ def draw(layout):
             owner = name
             box = layout.box().column(align=True)
             box.label(text=name, icon='ERROR')
-        _wrapped(box, "%s %s" % (prop, text))
+        _wrapped(box, "%s %s" % (prop, text), width)
     if len(_warnings) > SHOWN:
         layout.label(text="… and %d more" % (len(_warnings) - SHOWN))
 
 
-def _wrapped(layout, text, width=56):
+def _letters(context):
+    """About how many letters fit beside each other in the panel."""
+    points = context.region.width / context.preferences.system.ui_scale
+    return max(16, int((points - 50.0) / 5.6))
+
+
+def _wrapped(layout, text, width):
     """Labels do not wrap by themselves."""
     line = ""
     for word in text.split():
