@@ -70,6 +70,7 @@ struct lobe {
     float parameter[6];
     const void *data;   /* borrowed from the material */
     struct frame frame; /* about the shading normal, turned to the side of ng */
+    bool softened;      /* diffuse under a normal map: its terminator is smoothed, as Cycles does */
 };
 
 struct surface {
@@ -128,7 +129,8 @@ struct surface_step {
     float value, pdf, pdf_other;
 };
 bool surface_step_again(const struct surface *, enum side, enum label, int lobe, struct vec3 arriving,
-                        struct vec3 leaving, float lambda_arriving, float lambda_leaving, struct surface_step *);
+                        struct vec3 leaving, float lambda_arriving, float lambda_leaving,
+                        struct surface_step *);
 
 /* Properties of an elastic passage from one direction to another, the same for both sides of transport: whether the lobe's directions depend
    on the wavelength, and which of Cycles' bounce limits counts it. */

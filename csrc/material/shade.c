@@ -166,8 +166,10 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
             inputs_at(known = plan->closure, &point, &in);
         lobe->data = plan->data;
         lobe->frame = in.frame;
-        if (plan->shade(plan, &in, lobe))
-            register_lobe(s);
+        if (!plan->shade(plan, &in, lobe))
+            continue;
+        lobe->softened = plan->closure->normal_map && lobe->kind->reflects_as == SCATTER_DIFFUSE;
+        register_lobe(s);
     }
 }
 

@@ -25,6 +25,14 @@ static float view_weight(const struct surface *s, const struct lobe *lobe, struc
     return weight;
 }
 
+/* Chiang et al. 2019, "Taming the shadow terminator": a normal map alone may not cut light off sharply where the surface under it
+   still faces the light. As in Cycles; a function of the light's direction, so that all techniques agree. */
+static float terminator(const struct surface *s, const struct lobe *lobe, struct vec3 to_light)
+{
+    float g = dot(s->ns, to_light) / (dot(lobe->frame.n, to_light) * dot(s->ns, lobe->frame.n));
+    return g >= 1 ? 1 : g > 0 ? g * (1 + g - g * g) : 0;
+}
+
 static const struct fluorophore *fluorophore_of(const struct lobe *lobe)
 {
     return lobe->data;
@@ -95,6 +103,8 @@ float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3
             !to_lobe(s, lobe, to_camera, &c))
             continue;
         float weight = lobe->weight * view_weight(s, lobe, to_camera);
+        if (lobe->softened)
+            weight *= terminator(s, lobe, to_light);
         if (weight > 0)
             sum += weight * lobe->kind->evaluate(lobe, l, c, lambda);
     }
@@ -111,6 +121,8 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
         return 0;
     float weight =
         lobe->weight * view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
+    if (lobe->softened)
+        weight *= terminator(s, lobe, to_light);
     return weight * spectrum_eval(dye->emission, lambda_out) * fabsf(l.z) /
            (PI_F * fabsf(dot(to_light, s->ng)));
 }

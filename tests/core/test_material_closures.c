@@ -344,6 +344,36 @@ static void a_sunk_normal_stays_on_the_side_of_the_geometry(void **state)
     assert_float_equal(mapped(&map, 1, &hit).z, 1, 1e-6);
 }
 
+static void a_normal_maps_terminator_is_softened_for_diffuse_lobes(void **state)
+{
+    (void)state;
+    struct checker map;
+    struct hit hit = kit_hit(UP, UP);
+    hit.tangent = vec3(1, 0, 0);
+    hit.uv[0] = 0.75f;
+    checker_set(&map, 0.5f + 0.3f, 0.5f, 0.5f + 0.4f, 1); /* (0.6, 0, 0.8) */
+    struct closure *c = kit_mix(diffuse(1), kit_dye(0, 1, 420, 560, 1, false), kit_value(0.5f));
+    for (int i = 0; i < 2; i++) {
+        c->child[i]->normal_map = texture_of(&map, TEXTURE_COLOR);
+        c->child[i]->normal_strength = 1;
+    }
+    struct material *m = kit_compile(c);
+    struct surface s;
+    material_shade(m, &hit, UP, &s);
+    const struct vec3 n = {0.6f, 0, 0.8f};
+    for (float x = -0.9f; x < 1; x += 0.2f) {
+        struct vec3 light = vec3(x, 0, sqrtf(1 - x * x));
+        double cosine = dot(n, light), g = light.z / (cosine * 0.8),
+               soft = g >= 1 ? 1 : g + g * g - g * g * g;
+        double lambert = cosine > 0 ? 0.5 * TOP * cosine / light.z * soft : 0;
+        double dye = spectrum_eval(surface_fluorescent_absorption(&s, 0), 430) *
+                     spectrum_eval(surface_fluorescent_emission(&s, 0), 570);
+        assert_float_equal(surface_elastic(&s, light, UP, 500), lambert, 1e-5);
+        assert_float_equal(surface_fluorescent(&s, 0, light, UP, 430, 570), lambert * dye, 1e-5);
+    }
+    material_destroy(m);
+}
+
 static void directions_between_the_two_normals_horizons_are_rejected(void **state)
 {
     (void)state;
@@ -464,6 +494,7 @@ int main(void)
         cmocka_unit_test(colour_textures_are_upsampled_reflectances_and_emissions),
         cmocka_unit_test(normal_maps_turn_the_frame_in_tangent_space),
         cmocka_unit_test(a_sunk_normal_stays_on_the_side_of_the_geometry),
+        cmocka_unit_test(a_normal_maps_terminator_is_softened_for_diffuse_lobes),
         cmocka_unit_test(directions_between_the_two_normals_horizons_are_rejected),
         cmocka_unit_test(emission_is_weighted_and_one_sided_unless_asked),
         cmocka_unit_test(bad_input_names_its_property),
