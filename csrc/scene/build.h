@@ -90,6 +90,9 @@ struct scene_setup {
     int threads;
     void (*warn)(void *user, const stokes_error *);
     void *user;
+    /* Asked now and then while structures are built, from any thread; may be NULL. True gives up: the commit fails, and the
+       next one does what is left. */
+    bool (*stop)(void *user);
 };
 bool scene_commit(struct scene *, const struct scene_setup *, stokes_error *err);
 

@@ -342,7 +342,7 @@ static bool commit_geometry(struct scene *scene, const struct scene_setup *setup
     if ((scene->geometry_dirty || scene->materials_dirty) &&
         !(resolve_layers(scene, err) && resolve_instances(scene, setup, err)))
         return false;
-    if (scene->geometry_dirty && !accel_build(scene, err))
+    if (scene->geometry_dirty && !accel_build(scene, setup, err))
         return false;
     for (size_t i = 0; i < scene->meshes.count; i++)
         ((struct mesh *)scene->meshes.entry[i].item)->hit.window =

@@ -57,8 +57,8 @@ static bool device_is_well(RTCDevice device, stokes_error *err)
     case RTC_ERROR_UNKNOWN:
     case RTC_ERROR_INVALID_ARGUMENT:
     case RTC_ERROR_INVALID_OPERATION:
-    case RTC_ERROR_UNSUPPORTED_CPU:
-    case RTC_ERROR_CANCELLED: break;
+    case RTC_ERROR_UNSUPPORTED_CPU: break;
+    case RTC_ERROR_CANCELLED: return fail(err, "scene", "embree", "cancelled");
     }
     return fail(err, "scene", "embree", "the acceleration structure could not be built");
 }
@@ -104,12 +104,22 @@ static RTCScene new_scene(RTCDevice device)
     return scene;
 }
 
-static RTCScene mesh_structure(RTCDevice device, const struct mesh *mesh)
+static bool go_on(void *setup, double built)
 {
-    RTCScene scene = new_scene(device);
-    attach(scene, mesh_geometry(device, mesh, NULL), UINT32_MAX, 0);
+    const struct scene_setup *of = setup;
+    (void)built;
+    return !of->stop || !of->stop(of->user);
+}
+
+static bool build(RTCScene scene, RTCDevice device, const struct scene_setup *setup, stokes_error *err)
+{
+    struct scene_setup asked = *setup; /* Embree takes no pointer to const */
+    if (!go_on(&asked, 0))
+        return fail(err, "scene", "embree", "cancelled");
+    rtcSetSceneProgressMonitorFunction(scene, go_on, &asked);
     rtcCommitScene(scene);
-    return scene;
+    rtcSetSceneProgressMonitorFunction(scene, NULL, NULL);
+    return device_is_well(device, err);
 }
 
 static RTCGeometry instance_geometry(RTCDevice device, const struct object *object)
@@ -120,21 +130,37 @@ static RTCGeometry instance_geometry(RTCDevice device, const struct object *obje
     return geometry;
 }
 
-static void build_mesh_structures(struct scene *scene)
+static bool build_mesh_structure(struct mesh *mesh, RTCDevice device, const struct scene_setup *setup,
+                                 stokes_error *err)
+{
+    RTCScene scene = new_scene(device);
+    attach(scene, mesh_geometry(device, mesh, NULL), UINT32_MAX, 0);
+    if (!build(scene, device, setup, err)) {
+        accel_release(scene);
+        return false;
+    }
+    mesh->structure = scene;
+    return true;
+}
+
+static bool build_mesh_structures(struct scene *scene, const struct scene_setup *setup, stokes_error *err)
 {
     for (size_t i = 0; i < scene->object_count; i++) {
         const struct object *object = &scene->objects[i];
         if (object->flattened || object->vanished || object->mesh->structure)
             continue;
         struct mesh *mesh = registry_find(&scene->meshes, object->mesh->name);
-        mesh->structure = mesh_structure(scene->accel->device, mesh);
+        if (!build_mesh_structure(mesh, scene->accel->device, setup, err))
+            return false;
     }
+    return true;
 }
 
-bool accel_build(struct scene *scene, stokes_error *err)
+bool accel_build(struct scene *scene, const struct scene_setup *setup, stokes_error *err)
 {
     RTCDevice device = scene->accel->device;
-    build_mesh_structures(scene);
+    if (!build_mesh_structures(scene, setup, err))
+        return false;
     accel_release(scene->accel->top);
     scene->accel->top = new_scene(device);
     for (size_t i = 0; i < scene->object_count; i++) {
@@ -145,8 +171,7 @@ bool accel_build(struct scene *scene, stokes_error *err)
                                                  : instance_geometry(device, object);
         attach(scene->accel->top, geometry, object->instances->mask, (uint32_t)i);
     }
-    rtcCommitScene(scene->accel->top);
-    return device_is_well(device, err);
+    return build(scene->accel->top, device, setup, err);
 }
 
 /* --- Surfaces ---------------------------------------------------------------------------------------- */

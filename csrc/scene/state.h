@@ -209,7 +209,7 @@ struct accel *accel_create(int threads, stokes_error *err);
 void accel_destroy(struct accel *);
 void accel_release(void *structure); /* a mesh's */
 /* Builds the structures of instanced meshes that have none, and the top one. Meshes are the scene's. */
-bool accel_build(struct scene *, stokes_error *err);
+bool accel_build(struct scene *, const struct scene_setup *, stokes_error *err);
 bool accel_build_lamps(struct scene *, stokes_error *err);
 struct accel_hit {
     uint32_t object, primitive;

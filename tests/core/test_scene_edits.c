@@ -73,6 +73,47 @@ static void edits_show_after_the_next_commit(void **state)
     scene_destroy(scene);
 }
 
+static bool stop_at(void *user)
+{
+    int *left = user;
+    return --*left < 0;
+}
+
+/* However far it came, a commit that was stopped is taken up by the next. */
+static void a_stopped_commit_is_taken_up_by_the_next(void **state)
+{
+    (void)state;
+    enum { SIDE = 300 };
+    struct vec3 *points = malloc(3 * SIDE * SIDE * sizeof *points);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        struct vec3 at = vec3((float)(i % SIDE), (float)(i / SIDE), 0);
+        points[3 * i] = at;
+        points[3 * i + 1] = add(at, vec3(1, 0, 0));
+        points[3 * i + 2] = add(at, vec3(0, 1, 0));
+    }
+    struct transform transforms[2] = {scenes_identity, scenes_identity};
+    transforms[1].m[11] = -1;
+    struct scene *scene = scene_create();
+    scenes_mesh(scene, "grid", points, SIDE * SIDE);
+    free(points);
+    scenes_instance(scene, "grid", "grid", "", transforms, 2);
+    add_quad(scene);
+    scenes_instance(scene, "quad", "quad", "", &scenes_identity, 1);
+    for (int steps = 0; steps < 4; steps++) {
+        int left = steps;
+        stokes_error err = {0};
+        struct scene_setup setup = {.range = SCENES_RANGE, .threads = 1, .user = &left, .stop = stop_at};
+        working_space_rec709(&setup.working_space);
+        if (!scene_commit(scene, &setup, &err))
+            assert_string_equal(err.text, "cancelled");
+        assert_true(steps > 0 || err.text[0]);
+    }
+    scenes_commit(scene);
+    assert_string_equal(seen(scene, 250.2f, 17.2f), "default material");
+    assert_string_equal(seen(scene, 250.8f, 17.9f), "nothing");
+    scene_destroy(scene);
+}
+
 static void an_image_sent_again_shows_in_the_materials_that_use_it(void **state)
 {
     (void)state;
@@ -213,6 +254,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(edits_show_after_the_next_commit),
+        cmocka_unit_test(a_stopped_commit_is_taken_up_by_the_next),
         cmocka_unit_test(an_image_sent_again_shows_in_the_materials_that_use_it),
         cmocka_unit_test(order_of_messages_changes_nothing),
         cmocka_unit_test(lights_are_chosen_by_power),
