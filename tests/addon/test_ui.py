@@ -10,7 +10,13 @@ from conftest import INSIDE, ROOT
 
 WINDOW = """
 import traceback
-from addon import nodes
+from addon import nodes, ui
+addon.unregister()
+for file in ui._FILES:
+    for item in file.CLASSES:
+        if 'DEFAULT_CLOSED' in getattr(item, "bl_options", ()):
+            item.bl_options = set()
+addon.register()
 scene = bpy.context.scene
 scene.render.engine = 'STOKES'
 bpy.context.preferences.view.show_splash = False
