@@ -414,6 +414,39 @@ static void emission_is_weighted_and_one_sided_unless_asked(void **state)
     material_destroy(m);
 }
 
+/* --- Oren–Nayar ---------------------------------------------------------------------------------------------- */
+
+/* ∫ f cos over the hemisphere, by the midpoint rule. */
+static double diffuse_albedo(float roughness, bool multi_scatter, float cosine)
+{
+    enum { N = 300 };
+    struct closure *c = diffuse(1);
+    c->value[0] = kit_value(roughness);
+    c->option[0] = multi_scatter;
+    struct material *m = kit_compile(c);
+    struct surface s = kit_surface(m, UP, UP);
+    struct vec3 camera = vec3(sqrtf(1 - cosine * cosine), 0, cosine);
+    double sum = 0;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++) {
+            double z = (i + 0.5) / N, phi = 2 * M_PI * (j + 0.5) / N, r = sqrt(1 - z * z);
+            struct vec3 light = vec3((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
+            sum += surface_elastic(&s, light, camera, 500) * z * 2 * M_PI / ((double)N * N);
+        }
+    material_destroy(m);
+    return sum;
+}
+
+static void white_oren_nayar_loses_what_further_bounces_give_back(void **state)
+{
+    (void)state;
+    for (float cosine = 0.15f; cosine < 1; cosine += 0.2f) {
+        assert_float_equal(diffuse_albedo(0, true, cosine), 1, 1e-4);
+        assert_true(diffuse_albedo(0.8f, false, cosine) < 0.98);
+        assert_float_equal(diffuse_albedo(0.8f, true, cosine), 1, 2e-3);
+    }
+}
+
 /* --- Errors -------------------------------------------------------------------------------------------------- */
 
 static void expect_error(struct closure *c, const char *property)
@@ -497,6 +530,7 @@ int main(void)
         cmocka_unit_test(a_normal_maps_terminator_is_softened_for_diffuse_lobes),
         cmocka_unit_test(directions_between_the_two_normals_horizons_are_rejected),
         cmocka_unit_test(emission_is_weighted_and_one_sided_unless_asked),
+        cmocka_unit_test(white_oren_nayar_loses_what_further_bounces_give_back),
         cmocka_unit_test(bad_input_names_its_property),
         cmocka_unit_test(every_kind_has_a_signature_that_finds_it),
         cmocka_unit_test(indices_meet_their_definitions),

@@ -34,7 +34,8 @@ static bool looks_at_camera(const struct closure *c)
 {
     const struct bsdf_signature *s = bsdf_kind_signature(c->bsdf);
     for (int i = 0; i < 4 && s->option_names[i]; i++)
-        if (strcmp(s->option_names[i], "multi_scatter") == 0 && c->option[i])
+        if (strcmp(s->option_names[i], "multi_scatter") == 0 && c->option[i] &&
+            strcmp(s->name, "diffuse") != 0)
             return true;
     bool transmits = strcmp(s->name, "dielectric") == 0 || (is_principled(c, 3) && c->value[3]->constant > 0);
     return is_principled(c, 4) || (transmits && c->number[0] == 3);
