@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import select
 import subprocess
 
 import frames
@@ -35,6 +36,8 @@ class Server:
         self.process.stdin.write(data)
 
     def read(self):
+        readable, _, _ = select.select([self.process.stdout], [], [], SECONDS)
+        assert readable, "the core has nothing more to say"
         data = os.read(self.process.stdout.fileno(), 1 << 16)
         assert data, "the core has ended: %s" % self.process.stderr.read()
         replies, self.rest = frames.read(self.rest + data)

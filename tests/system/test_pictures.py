@@ -75,7 +75,7 @@ def srgb(value):
 
 @pytest.mark.parametrize("config", ["", pytest.param(str(CONFIG), marks=NEEDS_CONFIG)])
 def test_a_png_is_the_exr_as_the_display_shows_it(tmp_path, config):
-    """Straight alpha, the curve applied to the colour itself; within a step of 255, and one more for
+    """Straight alpha, the curve applied to the colour itself; within a step of 255, one more for
     the config's own tables."""
     space = {"config": config, "working_space": "Linear", "display": "sRGB", "view": "Standard"}
     png, rgba = rendered(tmp_path, exposure=1, **(space if config else {}))
