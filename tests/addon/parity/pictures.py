@@ -11,8 +11,8 @@ from stage import bpy
 FOLDER = tempfile.mkdtemp(prefix="stokes-parity-")
 
 
-def sky():
-    """A linear float map: blue-grey above, grey below, and a sun of 2 × 2 texels with most of the light."""
+def sky(sun=150.0):
+    """A linear float map: blue-grey above, grey below, and a sun of 2 × 2 texels, by itself with most of the light."""
     width, height = 64, 32
     pixels = array("f")
     for row in range(height):
@@ -23,15 +23,15 @@ def sky():
                 glow = 0.35 + 0.25 * math.sin(2 * math.pi * column / width)
                 texel = (glow, glow, glow * 1.1)
             if 40 <= column < 42 and 24 <= row < 26:
-                texel = (150.0, 150.0, 150.0)
+                texel = (sun, sun, sun)
             pixels.extend((*texel, 1.0))
     path = os.path.join(FOLDER, "sky.exr")
     _write_exr(path, width, height, pixels)
     return bpy.data.images.load(path)
 
 
-def chart():
-    """An 8-bit sRGB picture without any symmetry: 24 × 16, muted colours and a bright corner."""
+def chart(alpha=1.0):
+    """An 8-bit sRGB picture without any symmetry: 24 × 16, muted colours, a bright corner, and `alpha` at the left."""
     width, height = 24, 16
     pixels = array("f")
     for row in range(height):
@@ -40,7 +40,7 @@ def chart():
             texel = (checker, checker * (0.8 + 0.2 * row / height), checker * (0.8 + 0.2 * column / width))
             if column > 17 and row > 11:
                 texel = (0.95, 0.95, 0.95)
-            pixels.extend((*texel, 1.0 if column > 5 else 0.5))
+            pixels.extend((*texel, 1.0 if column > 5 else alpha))
     return _saved("chart", width, height, pixels)
 
 
@@ -53,6 +53,20 @@ def mask():
             level = 0.1 + 0.7 * (column // 2) / 7
             pixels.extend((level, level, level, 1.0))
     picture = _saved("mask", width, height, pixels)
+    picture.colorspace_settings.name = "Non-Color"
+    return picture
+
+
+def bumps():
+    """A normal map of slopes in all directions."""
+    width, height = 16, 16
+    pixels = array("f")
+    for row in range(height):
+        for column in range(width):
+            x = 0.3 * math.sin(2 * math.pi * column / 8)
+            y = 0.3 * math.cos(2 * math.pi * row / 8)
+            pixels.extend((0.5 + x, 0.5 + y, 0.5 + math.sqrt(0.25 - x * x - y * y), 1.0))
+    picture = _saved("bumps", width, height, pixels)
     picture.colorspace_settings.name = "Non-Color"
     return picture
 

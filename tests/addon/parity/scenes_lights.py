@@ -3,7 +3,7 @@
 from stage import camera, diffuse, emission, light, link, plane, scene, still_life
 
 
-@scene(run="every")
+@scene(run="always")
 def default_cube():
     """The file that Blender starts with: a Principled cube, a point light and a grey world."""
 
@@ -44,7 +44,7 @@ def sun_soft():
     light('SUN', 3, angle=0.35)
 
 
-@scene(run="every")
+@scene(run="always")
 def area_square():
     still_life()
     light('AREA', 80, shape='SQUARE', size=1.0)

@@ -28,7 +28,7 @@ def textured(tree, picture, vector=None, **settings):
 
 # Principled ------------------------------------------------------------------------------------------------------
 
-@scene(run="every")
+@scene(run="always")
 def principled_textured():
     show(lambda tree: principled(tree, Base_Color=textured(tree, pictures.chart()), Roughness=0.5))
 
@@ -58,17 +58,17 @@ def principled_half_metal():
     show(lambda tree: principled(tree, Base_Color=PALE, Metallic=0.5, Roughness=0.4))
 
 
-@scene(samples=(64, 128))
+@scene(samples=(128, 384))
 def principled_glass():
     show(lambda tree: principled(tree, Base_Color=PALE, Transmission=1.0, Roughness=0.0, IOR=1.45), diffuse(0.5))
 
 
-@scene(samples=(64, 128))
+@scene(samples=(128, 384))
 def principled_rough_glass():
     show(lambda tree: principled(tree, Base_Color=PALE, Transmission=1.0, Roughness=0.3, IOR=1.45), diffuse(0.5))
 
 
-@scene(samples=(64, 128), run="long")
+@scene(samples=(128, 384), run="long")
 def principled_half_glass():
     show(lambda tree: principled(tree, Base_Color=PALE, Transmission=0.5, Roughness=0.2, IOR=1.45), diffuse(0.5))
 
@@ -105,18 +105,18 @@ def glossy_mirror():
     show(lambda tree: tree.node(GLOSSY, {"distribution": 'GGX'}, Color=PALE, Roughness=0.0), diffuse(0.5))
 
 
-@scene(samples=(64, 128), run="every")
+@scene(samples=(128, 384), run="every")
 def glass_smooth():
     show(lambda tree: tree.node("ShaderNodeBsdfGlass", {"distribution": 'GGX'}, Roughness=0.0, IOR=1.5), diffuse(0.5))
 
 
-@scene(samples=(64, 128))
+@scene(samples=(128, 384))
 def glass_rough():
     show(lambda tree: tree.node("ShaderNodeBsdfGlass", {"distribution": 'GGX'}, Color=PALE, Roughness=0.35, IOR=1.5),
          diffuse(0.5))
 
 
-@scene(samples=(64, 128), run="long")
+@scene(samples=(128, 384), run="long")
 def refraction():
     show(lambda tree: tree.node("ShaderNodeBsdfRefraction", {"distribution": 'BECKMANN'}, Roughness=0.0, IOR=1.2),
          diffuse(0.5))
@@ -160,7 +160,7 @@ def mixed_by_facing():
 @scene()
 def cut_out():
     """Holes where the picture says so: transparent shadows."""
-    show(lambda tree: tree.node("ShaderNodeMixShader", None, Fac=textured(tree, pictures.chart()).outputs["Alpha"],
+    show(lambda tree: tree.node("ShaderNodeMixShader", None, Fac=textured(tree, pictures.chart(alpha=0.3)).outputs["Alpha"],
                                 Shader=tree.node("ShaderNodeBsdfTransparent"),
                                 Shader_001=tree.node("ShaderNodeBsdfDiffuse", Color=PALE)), diffuse(0.5))
 
@@ -204,9 +204,15 @@ def texture_generated():
         tree, pictures.chart(), placed(tree, "Generated"), extension='EXTEND')))
 
 
-@scene(run="long")
+@scene()
+def texture_with_alpha():
+    """Alpha that no node uses multiplies the colours, before they are decoded."""
+    show(lambda tree: tree.node("ShaderNodeBsdfDiffuse", Color=textured(tree, pictures.chart(alpha=0.5))))
+
+
+@scene()
 def normal_map():
     def build(tree):
-        bumpy = tree.node("ShaderNodeNormalMap", None, Color=(0.65, 0.4, 0.9, 1.0), Strength=0.8)
+        bumpy = tree.node("ShaderNodeNormalMap", None, Color=textured(tree, pictures.bumps()), Strength=0.8)
         return tree.node("ShaderNodeBsdfDiffuse", Color=PALE, Normal=bumpy)
     show(build)

@@ -20,21 +20,21 @@ def world_coloured():
     world(1.0, tint=(0.25, 0.5, 1.0))
 
 
-@scene(samples=(64, 64), run="every")
+@scene(samples=(128, 256), run="every")
 def world_sun_image():
     """A sky, a ground and a sun of a few texels, turned about the vertical."""
     still_life()
     world_image(pictures.sky(), rotation=(0, 0, 70))
 
 
-@scene(samples=(64, 64))
+@scene(samples=(128, 256))
 def world_tilted_in_view():
     """The map itself, seen directly and in a mirror ball, turned about all axes."""
     ball = link("Ball", sphere("Ball"), (0, 0, 0.6), scale=(1.6, 1.6, 1.6))
     ball.data.materials.append(material("Mirror", lambda tree: tree.node(
         ("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic"), Color=colour(0.8), Roughness=0.0)))
     camera(lens=28)
-    world_image(pictures.sky(), rotation=(20, -35, 110))
+    world_image(pictures.sky(sun=4.0), rotation=(20, -35, 110))
 
 
 @scene()
@@ -56,7 +56,7 @@ def camera_shifted():
     data.shift_x, data.shift_y, data.sensor_fit = 0.15, -0.2, 'VERTICAL'
 
 
-@scene(size=(64, 128), run="long")
+@scene(size=(48, 80), run="long")
 def camera_portrait():
     still_life()
     world(0.4)
@@ -64,7 +64,7 @@ def camera_portrait():
     bpy.context.scene.render.pixel_aspect_x = 1.3
 
 
-@scene(samples=(64, 64), run="long")
+@scene(samples=(128, 256), run="long")
 def camera_out_of_focus():
     still_life()
     world(0.4)
@@ -74,7 +74,7 @@ def camera_out_of_focus():
     dof.focus_distance, dof.aperture_fstop = 5.0, 0.15
 
 
-@scene(size=(128, 128))
+@scene(size=(80, 80))
 def border():
     """A part of the frame; the rest of the picture stays empty."""
     still_life()

@@ -23,8 +23,9 @@ class Scene:
         self.run = run
 
 
-def scene(samples=(32, 64), size=(96, 96), run="normal"):
-    """`run`: "every" Blender, "normal" (3.4 only), or "long" (3.4 and on demand)."""
+def scene(samples=(64, 256), size=(64, 64), run="normal"):
+    """`run`: "always" (in each Blender), "every" (in each, all but the system's on demand), "normal" (in the system's)
+    or "long" (in the system's, on demand)."""
     def register(build):
         SCENES[build.__name__] = Scene(build, samples, size, run)
         return build
