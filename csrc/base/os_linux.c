@@ -96,15 +96,22 @@ bool os_readable(int fd, double seconds)
     }
 }
 
+/* True if the call is to be made again: a signal came, or the other side has set the descriptor not to block. */
+static bool try_again(int fd, short events)
+{
+    if (errno != EAGAIN)
+        return errno == EINTR;
+    struct pollfd wait = {.fd = fd, .events = events};
+    return poll(&wait, 1, -1) >= 0 || errno == EINTR;
+}
+
 size_t os_read_some(int fd, void *data, size_t bytes)
 {
-    for (;;) {
-        ssize_t got = read(fd, data, bytes);
-        if (got >= 0)
-            return (size_t)got;
-        if (errno != EINTR)
-            return 0;
-    }
+    ssize_t got;
+    do
+        got = read(fd, data, bytes);
+    while (got < 0 && try_again(fd, POLLIN));
+    return got > 0 ? (size_t)got : 0;
 }
 
 bool os_read_all(int fd, void *data, size_t bytes)
@@ -125,7 +132,7 @@ bool os_write_all(int fd, const void *data, size_t bytes)
     const unsigned char *at = data;
     while (bytes > 0) {
         ssize_t put = write(fd, at, bytes);
-        if (put < 0 && errno == EINTR)
+        if (put < 0 && try_again(fd, POLLOUT))
             continue;
         if (put <= 0)
             return false;

@@ -1,4 +1,5 @@
 /* Claims about csrc/base: errors in one line, threads that do each unit once, memory that cannot shrink, whole files. */
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -206,6 +207,30 @@ static void reading_tells_a_short_end(void **state)
     close(ends[0]);
 }
 
+static void write_much(void *context, size_t index, int worker)
+{
+    (void)worker;
+    const int *ends = context;
+    unsigned char *data = calloc(1, 1 << 20);
+    assert_non_null(data);
+    if (index == 0)
+        assert_true(os_write_all(ends[1], data, 1 << 20));
+    else
+        assert_true(os_read_all(ends[0], data, 1 << 20));
+    free(data);
+}
+
+static void descriptors_that_do_not_block_are_waited_for(void **state)
+{
+    (void)state;
+    int ends[2];
+    assert_int_equal(pipe2(ends, O_NONBLOCK), 0);
+    thread_run(2, 2, write_much, NULL, ends);
+    assert_false(os_readable(ends[0], 0)); /* all of it has come */
+    close(ends[0]);
+    close(ends[1]);
+}
+
 static void a_file_is_whole_or_not_there(void **state)
 {
     (void)state;
@@ -262,6 +287,7 @@ int main(void)
         cmocka_unit_test(memory_that_grew_is_mapped_again),
         cmocka_unit_test(memory_that_cannot_be_sealed_is_an_error),
         cmocka_unit_test(reading_tells_a_short_end),
+        cmocka_unit_test(descriptors_that_do_not_block_are_waited_for),
         cmocka_unit_test(a_file_is_whole_or_not_there),
         cmocka_unit_test(neighbouring_addresses_are_unrelated),
     };
