@@ -73,17 +73,16 @@ static void chances(const struct surface *s, enum side side, struct vec3 arrivin
     }
     for (int i = 0; i < s->lobe_count; i++) {
         const struct lobe *lobe = &s->lobe[i];
-        float view = view_weight(s, lobe, arriving), weight = lobe->weight * view;
+        float view = view_weight(s, lobe, arriving), floored = lobe->weight * fmaxf(view, VIEW_FLOOR);
         if (lobe->kind->nature == LOBE_FLUORESCENT) {
-            chance[i] = weight * fluorescent_strength(lobe, side, lambda);
+            chance[i] = floored * fluorescent_strength(lobe, side, lambda);
             fluorescent += chance[i];
             continue;
         }
         float z = fmaxf(fabsf(dot(arriving, lobe->frame.n)), 1e-4f);
         float albedo = lobe->kind->albedo(lobe, copysignf(z, dot(arriving, s->ng)), lambda);
-        elastic += weight * albedo;
-        chance[i] =
-            lobe->weight * fmaxf(view, VIEW_FLOOR) * (CHANCE_FLOOR + (1 - CHANCE_FLOOR) * fminf(albedo, 1));
+        elastic += lobe->weight * view * albedo;
+        chance[i] = floored * (CHANCE_FLOOR + (1 - CHANCE_FLOOR) * fminf(albedo, 1));
         soft += chance[i];
     }
     split(s, chance, fluorescent, elastic, soft);

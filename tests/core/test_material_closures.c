@@ -119,6 +119,19 @@ static void a_fresnel_mix_belongs_to_the_cameras_direction_from_both_sides(void 
     material_destroy(m);
 }
 
+/* Head-on, facing is 0: a light sub-path must not rule out what cameras elsewhere see. */
+static void light_sub_paths_give_a_chance_to_what_some_view_can_see(void **state)
+{
+    (void)state;
+    struct material *m = kit_compile(
+        kit_mix(diffuse(0.5f), kit_dye(0.5f, 1, 420, 560, 1, false), value(VALUE_FACING, 0.5f, NULL, NULL)));
+    struct surface s = kit_surface(m, UP, UP);
+    struct vec3 slanted = normalize(vec3(1, 0, 0.5f));
+    assert_true(surface_fluorescent(&s, 0, UP, slanted, 420, 560) > 0);
+    assert_true(surface_pdf_fluorescent(&s, SIDE_LIGHT, 0, UP, slanted, 420, 560) > 0);
+    material_destroy(m);
+}
+
 static void a_scaled_and_offset_fresnel_is_clamped_as_a_mix_factor(void **state)
 {
     (void)state;
@@ -518,6 +531,7 @@ int main(void)
         cmocka_unit_test(branches_without_weight_and_black_lobes_are_dropped),
         cmocka_unit_test(mixing_twice_with_one_varying_factor_is_a_square),
         cmocka_unit_test(a_fresnel_mix_belongs_to_the_cameras_direction_from_both_sides),
+        cmocka_unit_test(light_sub_paths_give_a_chance_to_what_some_view_can_see),
         cmocka_unit_test(a_scaled_and_offset_fresnel_is_clamped_as_a_mix_factor),
         cmocka_unit_test(what_a_factor_cannot_keep_symbolic_is_warned_of),
         cmocka_unit_test(backfacing_tells_the_sides_apart),
