@@ -191,6 +191,43 @@ static struct spectrum *read_list(const struct place *place, enum beyond beyond,
     return all;
 }
 
+enum form {
+    FORM_RGB,
+    FORM_TABLE,
+    FORM_BLACKBODY,
+    FORM_ILLUMINANT,
+    FORM_DAYLIGHT,
+    FORM_GAUSSIAN,
+    FORM_LINE,
+    FORM_LIBRARY,
+    FORM_SCALE,
+    FORM_SUM,
+    FORM_PRODUCT,
+    FORM_COUNT
+};
+
+static const char *const form_members[FORM_COUNT] = {
+    [FORM_RGB] = "rgb",
+    [FORM_TABLE] = "table",
+    [FORM_BLACKBODY] = "blackbody",
+    [FORM_ILLUMINANT] = "illuminant",
+    [FORM_DAYLIGHT] = "daylight",
+    [FORM_GAUSSIAN] = "gaussian",
+    [FORM_LINE] = "line",
+    [FORM_LIBRARY] = "library",
+    [FORM_SCALE] = "scale",
+    [FORM_SUM] = "sum",
+    [FORM_PRODUCT] = "product",
+};
+
+static enum form form_of(const struct place *place)
+{
+    enum form form = 0;
+    while (form < FORM_COUNT && !place_has(place, form_members[form]))
+        form++;
+    return form;
+}
+
 struct spectrum *read_spectrum(const struct place *place, enum beyond beyond, int depth)
 {
     if (place->value && json_is_number(place->value))
@@ -201,25 +238,21 @@ struct spectrum *read_spectrum(const struct place *place, enum beyond beyond, in
         place_fail(place, "is nested too deeply");
         return NULL;
     }
-    static const char *const forms[] = {"rgb",  "table",   "blackbody", "illuminant", "daylight", "gaussian",
-                                        "line", "library", "scale",     "sum",        "product"};
-    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-        struct place inner = place_member(place, forms[i]);
-        if (!inner.value)
-            continue;
-        switch (i) {
-        case 0: return read_rgb(&inner);
-        case 1: return read_table(&inner, beyond);
-        case 2: return read_kelvin(&inner, spectrum_blackbody);
-        case 3: return read_named(&inner, spectrum_illuminant);
-        case 4: return read_kelvin(&inner, spectrum_daylight);
-        case 5: return read_gaussian(&inner);
-        case 6: return read_line(&inner);
-        case 7: return read_named(&inner, spectrum_library);
-        case 8: return read_scaled(place, beyond, depth);
-        case 9: return read_list(&inner, beyond, depth, spectrum_sum);
-        case 10: return read_list(&inner, beyond, depth, spectrum_product);
-        }
+    enum form form = form_of(place);
+    struct place inner = place_member(place, form < FORM_COUNT ? form_members[form] : "");
+    switch (form) {
+    case FORM_RGB: return read_rgb(&inner);
+    case FORM_TABLE: return read_table(&inner, beyond);
+    case FORM_BLACKBODY: return read_kelvin(&inner, spectrum_blackbody);
+    case FORM_ILLUMINANT: return read_named(&inner, spectrum_illuminant);
+    case FORM_DAYLIGHT: return read_kelvin(&inner, spectrum_daylight);
+    case FORM_GAUSSIAN: return read_gaussian(&inner);
+    case FORM_LINE: return read_line(&inner);
+    case FORM_LIBRARY: return read_named(&inner, spectrum_library);
+    case FORM_SCALE: return read_scaled(place, beyond, depth);
+    case FORM_SUM: return read_list(&inner, beyond, depth, spectrum_sum);
+    case FORM_PRODUCT: return read_list(&inner, beyond, depth, spectrum_product);
+    case FORM_COUNT: break;
     }
     place_fail(place, place_has(place, "texture") ? "cannot vary over the surface here"
                                                   : "is no spectrum (rgb, table, blackbody, illuminant, …)");

@@ -5,53 +5,60 @@
 
 #include "stream/expressions.h"
 
-struct texture *read_texture(const struct place *place)
+static bool read_texture_choices(const struct place *place, struct texture *texture)
 {
     static const char *const interpolations[] = {"linear", "closest", NULL};
     static const char *const extensions[] = {"repeat", "extend", "clip", "mirror", NULL};
     static const char *const channels[] = {"color", "alpha", "r", "g", "b", "luminance", NULL};
     static const char *const projections[] = {"uv", "generated", "object", "window", NULL};
-    if (!place_is(place, JSON_OBJECT))
-        return NULL;
+    static const struct {
+        const char *member, *const *choices;
+    } members[] = {{"interpolation", interpolations},
+                   {"extension", extensions},
+                   {"channel", channels},
+                   {"projection", projections}};
+    int chosen[4] = {0};
+    for (size_t i = 0; i < 4; i++) {
+        struct place member = place_member(place, members[i].member);
+        if (member.value && !read_choice(&member, members[i].choices, &chosen[i]))
+            return false;
+    }
+    texture->interpolation = (enum texture_interpolation)chosen[0];
+    texture->extension = (enum texture_extension)chosen[1];
+    texture->channel = (enum texture_channel)chosen[2];
+    texture->projection = (enum texture_projection)chosen[3];
+    return true;
+}
+
+static bool fill_texture(const struct place *place, struct texture *texture)
+{
     struct place image = place_member(place, "image"), uv = place_member(place, "uv");
     struct place transform = place_member(place, "transform");
-    const struct {
-        struct place place;
-        const char *const *choices;
-    } choices[] = {{place_member(place, "interpolation"), interpolations},
-                   {place_member(place, "extension"), extensions},
-                   {place_member(place, "channel"), channels},
-                   {place_member(place, "projection"), projections}};
     const char *name, *layer = "";
-    int chosen[4] = {0};
-    if (!read_text(&image, &name) || (uv.value && !read_text(&uv, &layer)))
-        return NULL;
-    struct texture made = {.image = scene_find_image(place->message->session->scene, name),
-                           .transform = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}};
-    if (!made.image) {
-        place_fail(&image, "image '%.100s' has not been sent", name);
-        return NULL;
-    }
-    if (strlen(layer) >= sizeof made.uv_name) {
-        place_fail(&uv, "is longer than %zu bytes", sizeof made.uv_name - 1);
-        return NULL;
-    }
-    if (transform.value && !read_floats(&transform, made.transform.m, 12))
-        return NULL;
-    for (size_t i = 0; i < sizeof choices / sizeof *choices; i++)
-        if (choices[i].place.value && !read_choice(&choices[i].place, choices[i].choices, &chosen[i]))
-            return NULL;
-    strcpy(made.uv_name, layer);
-    made.interpolation = (enum texture_interpolation)chosen[0];
-    made.extension = (enum texture_extension)chosen[1];
-    made.channel = (enum texture_channel)chosen[2];
-    made.projection = (enum texture_projection)chosen[3];
-    struct texture *texture = malloc(sizeof *texture);
-    if (texture)
-        *texture = made;
-    else
+    if (!place_is(place, JSON_OBJECT) || !read_text(&image, &name) || (uv.value && !read_text(&uv, &layer)))
+        return false;
+    texture->image = scene_find_image(place->message->session->scene, name);
+    if (!texture->image)
+        return place_fail(&image, "image '%.100s' has not been sent", name);
+    if (strlen(layer) >= sizeof texture->uv_name)
+        return place_fail(&uv, "is longer than %zu bytes", sizeof texture->uv_name - 1);
+    strcpy(texture->uv_name, layer);
+    return (!transform.value || read_floats(&transform, texture->transform.m, 12)) &&
+           read_texture_choices(place, texture);
+}
+
+struct texture *read_texture(const struct place *place)
+{
+    struct texture *texture = calloc(1, sizeof *texture);
+    if (!texture) {
         place_fail(place, "out of memory");
-    return texture;
+        return NULL;
+    }
+    texture->transform = (struct transform){{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    if (fill_texture(place, texture))
+        return texture;
+    free(texture);
+    return NULL;
 }
 
 /* --- V ----------------------------------------------------------------------------------------------------- */
