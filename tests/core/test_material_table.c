@@ -265,6 +265,32 @@ static void a_draw_has_the_value_and_densities_of_the_functions(void **state)
         }
 }
 
+/* Where a value is, both sides can draw it: or else one technique alone would have to, which no other knows of. */
+static void what_has_a_value_can_be_drawn_from_both_sides(void **state)
+{
+    (void)state;
+    struct kit_random r = seeded(7);
+    for (int k = 0; bsdf_kind_at((size_t)k); k++)
+        for (int i = 0; i < 100; i++) {
+            char text[256];
+            struct closure *closure = kit_random_bsdf(&r, bsdf_kind_at((size_t)k), 0.1f);
+            kit_describe(closure, text);
+            struct material *m = kit_compile(closure);
+            struct vec3 ng = kit_direction(&r);
+            struct surface s = kit_surface(m, ng, tilted(&r, ng));
+            for (int n = 0; n < 40; n++) {
+                struct vec3 light = kit_direction(&r), camera = kit_direction(&r);
+                float lambda = kit_between(&r, 301, 829);
+                double value = surface_elastic(&s, light, camera, lambda);
+                double from_light = surface_pdf_elastic(&s, SIDE_LIGHT, light, camera, lambda);
+                double from_camera = surface_pdf_elastic(&s, SIDE_CAMERA, camera, light, lambda);
+                if (value > 0 && !(from_light > 0 && from_camera > 0))
+                    fail_msg("%s: value %g, densities %g and %g", text, value, from_light, from_camera);
+            }
+            material_destroy(m);
+        }
+}
+
 /* A δ draw can be made backwards: the other side, arriving from where it left, leaves to where it came from, with the densities
    exchanged and the same value. */
 static void a_specular_draw_can_be_made_from_the_other_side(void **state)
@@ -445,6 +471,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(draws_follow_densities_that_sum_to_one),
         cmocka_unit_test(a_draw_has_the_value_and_densities_of_the_functions),
+        cmocka_unit_test(what_has_a_value_can_be_drawn_from_both_sides),
         cmocka_unit_test(a_specular_draw_can_be_made_from_the_other_side),
         cmocka_unit_test(values_are_reciprocal_up_to_n_squared),
         cmocka_unit_test(neither_energy_nor_photons_are_made),
