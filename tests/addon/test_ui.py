@@ -14,7 +14,7 @@ from addon import nodes, ui
 addon.unregister()
 for file in ui._FILES:
     for item in file.CLASSES:
-        if 'DEFAULT_CLOSED' in getattr(item, "bl_options", ()):
+        if 'DEFAULT_CLOSED' in getattr(item, "bl_options", ()) and "preview" not in item.__name__:
             item.bl_options = set()
 addon.register()
 scene = bpy.context.scene
