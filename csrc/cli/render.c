@@ -18,7 +18,7 @@ static const char help[] =
     "  -o, --output FILE        .exr: linear RGBA, spectral bins, and all that `stokes merge` needs;\n"
     "                           .png: as the scene's display and view show it. May be given more than once\n"
     "  -s, --samples N | A:B    N samples of each pixel, or the samples [A, B) (A counts from 0)\n"
-    "  -i, --integrator NAME    pt, pt_nee, lt or mbdpt\n"
+    "  -i, --integrator NAME    pt, pt_nee, lt, mbdpt or bdpt\n"
     "      --techniques LIST    only these light and camera vertex counts, as \"2,2 3,1\"; \"\" is all\n"
     "      --max-path N         edges of the longest path\n"
     "      --d0 NM              half-width of the first sample's spectral kernel\n"

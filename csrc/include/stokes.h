@@ -51,7 +51,7 @@ STOKES_API bool stokes_session_apply(stokes_session *, const char *name, bool ma
 /* What `stokes render` may override; negative numbers and NULL leave the scene's own value. Bins where the scene
    has none lie over the visible part of its range. */
 typedef struct stokes_overrides {
-    const char *integrator; /* "pt", "pt_nee", "lt", "mbdpt" */
+    const char *integrator; /* "pt", "pt_nee", "lt", "mbdpt", "bdpt" */
     int64_t seed;
     int first_sample, end_sample; /* [first, end) */
     int threads;                  /* 0: all processors */

@@ -194,6 +194,12 @@ static bool pick_samples(struct render *render, const stokes_overrides *o, stoke
     return fail(err, "render", "samples", "[%d, %d) is empty", render->first_sample, render->end_sample);
 }
 
+static bool commit_is_cancelled(void *user)
+{
+    const stokes_listener *listener = &((stokes_session *)user)->listener;
+    return listener->cancelled && listener->cancelled(listener->user);
+}
+
 static bool commit_scene(stokes_session *session, const struct session_settings *settings, stokes_error *err)
 {
     if (!session->has_camera)
@@ -204,6 +210,7 @@ static bool commit_scene(stokes_session *session, const struct session_settings 
         .working_space = session->color.working_space,
         .threads = session_threads(settings),
         .warn = session_warn,
+        .stop = commit_is_cancelled,
         .user = session,
     };
     return scene_commit(session->scene, &setup, err);
@@ -248,11 +255,6 @@ static bool prepare(struct render *render, size_t picture_floats, stokes_error *
 {
     stokes_session *session = render->session;
     const struct integrator_settings *s = &render->settings.integrator;
-    if (!commit_scene(session, &render->settings, err))
-        return false;
-    /* The last picture goes first: with spectral bins a film is large. */
-    film_destroy(session->film);
-    session->film = NULL;
     if (!make_films(render, s, err) || !check_picture(render, picture_floats, err))
         return false;
     render->integrator =
@@ -263,20 +265,30 @@ static bool prepare(struct render *render, size_t picture_floats, stokes_error *
     return true;
 }
 
-/* The film is the session's from here on, and the report is written. */
+/* The film, if any, is the session's from here on, and the report is written. */
 static void finish(struct render *render)
 {
     stokes_session *session = render->session;
-    int samples = render->film->end_sample - render->first_sample;
     session->seconds = os_seconds() - render->start;
     session->cancelled = atomic_load(&render->stopped);
     session->rendered = render->settings;
     session->film = render->film;
     render->film = NULL;
     session_fingerprint(session, &session->rendered, session->fingerprint);
+    session_write_report(session);
+    if (!session->film)
+        return;
+    int samples = stokes_session_samples(session);
     refresh_picture(render, session->film, samples, samples);
     tell_progress(render, true);
-    session_write_report(session);
+}
+
+static bool trace(struct render *render, size_t picture_floats, stokes_error *err)
+{
+    if (!prepare(render, picture_floats, err))
+        return false;
+    render->start = os_seconds();
+    return trace_passes(render, err);
 }
 
 bool stokes_session_render(stokes_session *session, const stokes_overrides *overrides, float *picture,
@@ -285,14 +297,19 @@ bool stokes_session_render(stokes_session *session, const stokes_overrides *over
     struct render render = {.session = session,
                             .settings = session->settings,
                             .space = &session->color.working_space,
-                            .picture = picture};
+                            .picture = picture,
+                            .start = os_seconds()};
     if ((overrides && !session_settings_override(&render.settings, overrides, err)) ||
         !pick_samples(&render, overrides, err))
         return false;
     render.threads = session_threads(&render.settings);
-    bool good = prepare(&render, picture_floats, err);
-    render.start = os_seconds();
-    good = good && trace_passes(&render, err);
+    bool committed = commit_scene(session, &render.settings, err);
+    if (!committed && !should_stop(&render))
+        return false;
+    /* The last picture goes first: with spectral bins a film is large. */
+    film_destroy(session->film);
+    session->film = NULL;
+    bool good = !committed || trace(&render, picture_floats, err);
     if (good)
         finish(&render);
     integrator_destroy(render.integrator);

@@ -32,30 +32,36 @@ void text_clear(struct text *text)
     *text = (struct text){0};
 }
 
+static void report_film(const stokes_session *session, const struct film *film, struct text *out)
+{
+    double pixel_samples = (double)film->width * film->height * (film->end_sample - film->first_sample);
+    text_line(out, "film: %d x %d pixels, samples %d to %d of each", film->width, film->height,
+              film->first_sample, film->end_sample);
+    text_line(out, "time: %.2f s, %.4g samples/s with %d threads", session->seconds,
+              session->seconds > 0 ? pixel_samples / session->seconds : 0,
+              session_threads(&session->rendered));
+    if (film->saturated > 0)
+        text_line(out, "film: %" PRIu64 " sums reached the limit and stay there", film->saturated);
+    if (film->rejected > 0)
+        text_line(out, "film: %" PRIu64 " contributions were not finite and were left out", film->rejected);
+}
+
 void session_write_report(stokes_session *session)
 {
     struct scene_statistics scene = scene_statistics(session->scene);
     const struct film *film = session->film;
     struct text *out = &session->report;
-    int samples = film->end_sample - film->first_sample;
+    int samples = stokes_session_samples(session);
     size_t outside = tally_sum(session->outside) + scene.colors_out_of_reach;
-    double pixels = (double)film->width * film->height;
     text_clear(out);
     text_line(out, "scene: %zu meshes, %zu instances, %zu triangles, %zu lights, %zu materials, %zu images",
               scene.meshes, scene.instances, scene.triangles, scene.lights, scene.materials, scene.images);
-    text_line(out, "film: %d x %d pixels, samples %d to %d of each", film->width, film->height,
-              film->first_sample, film->end_sample);
-    text_line(out, "time: %.2f s, %.4g samples/s with %d threads", session->seconds,
-              session->seconds > 0 ? samples * pixels / session->seconds : 0,
-              session_threads(&session->rendered));
+    if (film)
+        report_film(session, film, out);
     if (session->cancelled)
         text_line(out, "cancelled after %d whole passes", samples);
     if (outside > 0)
         text_line(out, "colors: %zu out of reach of any reflectance; the nearest was used", outside);
-    if (film->saturated > 0)
-        text_line(out, "film: %" PRIu64 " sums reached the limit and stay there", film->saturated);
-    if (film->rejected > 0)
-        text_line(out, "film: %" PRIu64 " contributions were not finite and were left out", film->rejected);
 }
 
 uint64_t session_hash(uint64_t hash, const void *data, size_t bytes)

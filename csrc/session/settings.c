@@ -13,7 +13,6 @@
 #define LAMBDA_NARROWEST_NM 1.0f
 #define BINS_MAX 1024
 #define THREADS_MAX 1024
-#define EDGES_MAX (TECHNIQUES_MAX - 2)
 
 const char *session_integrator_name(const char *name)
 {
@@ -33,9 +32,9 @@ static bool check_range(const char *property, double value, double low, double h
 
 static bool check_edges(const struct integrator_settings *s, stokes_error *err)
 {
-    return check_range("max_path", s->max_path, 1, EDGES_MAX, err) &&
-           check_range("max_camera", s->max_camera, 1, EDGES_MAX, err) &&
-           check_range("max_light", s->max_light, 0, EDGES_MAX, err) &&
+    return check_range("max_path", s->max_path, 1, PATH_EDGES_MAX, err) &&
+           check_range("max_camera", s->max_camera, 1, PATH_EDGES_MAX, err) &&
+           check_range("max_light", s->max_light, 0, PATH_EDGES_MAX, err) &&
            check_range("max_diffuse", s->max_diffuse, 0, INT_MAX, err) &&
            check_range("max_glossy", s->max_glossy, 0, INT_MAX, err) &&
            check_range("max_transmission", s->max_transmission, 0, INT_MAX, err) &&
