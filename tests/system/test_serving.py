@@ -1,8 +1,10 @@
 """Serving, cancelling and killing: what holds while a render goes on, and what is left after it."""
 
+import array
 import mmap
 import os
 import pathlib
+import random
 import re
 import signal
 import struct
@@ -87,6 +89,35 @@ def test_cancel_is_quick_and_the_process_stays(server):
     server.send(frames.render(0, 1))
     told = server.wait("finished")
     assert not told["cancelled"] and told["samples"] == 1
+
+
+def crumbs(count):
+    """A mesh of small triangles at random places, whose tree takes its time."""
+    area, chance = frames.Area(), random.Random(1).random
+    positions = array.array("f")
+    for _ in range(count):
+        x, y, z = chance(), chance(), chance()
+        positions.extend((x, y, z, x + 0.001, y, z, x, y + 0.001, z))
+    members = {"name": "square", "positions": area.raw(positions.tobytes())}
+    members["triangles"] = area.raw(array.array("I", range(3 * count)).tobytes())
+    return frames.frame("mesh", members, area.data)
+
+
+def test_cancel_is_quick_while_trees_are_built(server):
+    server.send(LONG)
+    mesh, times = crumbs(400000), []
+    while len(times) < TRIES and min(times, default=QUICK) >= QUICK:
+        server.send(mesh)
+        server.send(frames.render(0, 1 << 20))
+        server.wait("done", of=8 + 3 * len(times))  # the mesh is in; its tree is being built
+        time.sleep(0.05)
+        before = time.monotonic()
+        server.send(frames.frame("cancel"))
+        assert server.wait("finished")["cancelled"]
+        times.append(time.monotonic() - before)
+    assert min(times) < QUICK, times
+    server.send(frames.render(0, 1))
+    assert server.wait("finished")["samples"] == 1
 
 
 def test_cancel_reaches_a_render_that_has_not_begun(server):
