@@ -131,6 +131,19 @@ static bool facet_between(struct vec3 a, struct vec3 b, float n, struct facet *f
     return true;
 }
 
+static float model_3_fresnel(float z, float n)
+{
+    return fminf(fresnel_dielectric(fabsf(z), z > 0 ? n : 1 / n), MODEL_3_FRESNEL_MAX);
+}
+
+/* Chance of reflection for a sub-path. Model 3 weighs by the camera's direction: known from there, it decides; a light sub-path keeps
+   to the facet's Fresnel, which leaves a chance to whatever some camera may see. */
+static float rough_chance(const struct lobe *lobe, enum side side, struct vec3 arriving, float n, float facet)
+{
+    bool known = lobe->parameter[MODEL_3] != 0 && side == SIDE_CAMERA;
+    return reflection_chance(lobe, known ? model_3_fresnel(arriving.z, n) : facet);
+}
+
 /* Toward the camera, as Cycles has it. */
 static float compensation(const struct lobe *lobe, float cosine, float lambda)
 {
@@ -150,9 +163,8 @@ static float rough_evaluate(const struct lobe *lobe, struct vec3 to_light, struc
         return 0;
     bool model_3 = lobe->parameter[MODEL_3] != 0;
     float g = ggx_g2(ggx_lambda(to_light, alpha), ggx_lambda(to_camera, alpha), model_3);
-    if (model_3) /* the draw's chance stays that of the facet: it is positive wherever this is */
-        f.fresnel =
-            fminf(fresnel_dielectric(fabsf(to_camera.z), to_camera.z > 0 ? n : 1 / n), MODEL_3_FRESNEL_MAX);
+    if (model_3)
+        f.fresnel = model_3_fresnel(to_camera.z, n);
     float common = ggx_d(f.normal, alpha) * g * compensation(lobe, to_camera.z, lambda) / fabsf(to_camera.z);
     if (f.reflects)
         return reflected(lobe, f.fresnel, n, lambda) * common / 4;
@@ -163,12 +175,11 @@ static float rough_evaluate(const struct lobe *lobe, struct vec3 to_light, struc
 static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
                        float lambda)
 {
-    (void)side;
     struct facet f;
-    float alpha = lobe->parameter[ALPHA];
-    if (!facet_between(arriving, leaving, inside_index(lobe, lambda), &f))
+    float n = inside_index(lobe, lambda), alpha = lobe->parameter[ALPHA];
+    if (!facet_between(arriving, leaving, n, &f))
         return 0;
-    float chance = reflection_chance(lobe, f.fresnel);
+    float chance = rough_chance(lobe, side, arriving, n, f.fresnel);
     float visible = ggx_d(f.normal, alpha) / ((1 + ggx_lambda(arriving, alpha)) * fabsf(arriving.z));
     if (f.reflects)
         return visible * chance / 4;
@@ -181,13 +192,12 @@ static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arri
 static bool rough_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
                          const float u[3], struct vec3 *leaving)
 {
-    (void)side;
     bool back = arriving.z < 0;
     float n = inside_index(lobe, lambda), eta = back ? 1 / n : n;
     struct vec3 a = back ? mirrored(arriving) : arriving, b;
     struct vec3 h = ggx_sample(a, lobe->parameter[ALPHA], u[0], u[1]);
     float f = fresnel_dielectric(fminf(1, dot(a, h)), eta);
-    bool reflects = u[2] < reflection_chance(lobe, f);
+    bool reflects = u[2] < rough_chance(lobe, side, arriving, n, f);
     if (reflects)
         b = reflect(a, h);
     else if (!refract(a, h, eta, &b))
