@@ -26,8 +26,8 @@ def enable_addon():
     ]
 
 
-def arguments(name, resolution, samples):
-    """What stands behind "--"."""
+def arguments(name, resolution, samples, more=None):
+    """What stands behind "--"; more(parser) adds a scene's own."""
     parser = argparse.ArgumentParser(prog=name)
     parser.add_argument(
         "--output", default=os.path.join(ROOT, "build", "demo"), help="folder for the pictures"
@@ -39,7 +39,11 @@ def arguments(name, resolution, samples):
     parser.add_argument(
         "--engine", default="STOKES", help="CYCLES or an EEVEE shows the approximation"
     )
+    parser.add_argument("--d0", type=float, default=50.0, help="mollification's half-width, nm")
+    parser.add_argument("--shrink", type=float, default=0.2)
     parser.add_argument("--save", action="store_true", help="also write the .blend file")
+    if more is not None:
+        more(parser)
     words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     return parser.parse_args(words)
 
@@ -190,6 +194,8 @@ def render(name, options):
     scene.render.resolution_percentage = 100
     scene.stokes.samples = options.samples
     scene.stokes.seed = options.seed
+    scene.stokes.d0 = options.d0
+    scene.stokes.shrink = options.shrink
     scene.stokes.integrator = options.integrator
     scene.stokes.use_record = True
     scene.stokes.record_path = path + ".stokes"

@@ -1,0 +1,48 @@
+"""The scripts of test_scenes build their scenes in every Blender, and render them by its own operator."""
+
+import os
+import subprocess
+
+import pytest
+
+from conftest import ROOT
+
+CORE = ROOT / "build" / "stokes"
+SCENES = {
+    "spheres": ("spheres", ()),
+    "lens": ("lens", ()),
+    "bias": ("bias-checker-cyan-back", ("--reflectance", "checker-cyan", "--walls", "back")),
+}
+
+# Runs the script as Blender would, then looks at its EXR.
+LAUNCH = """
+import runpy, sys
+import bpy
+sys.argv = sys.argv[sys.argv.index("--"):]
+path, sys.argv = sys.argv[1], ["blender", "--"] + sys.argv[2:]
+runpy.run_path(path, run_name="__main__")
+image = bpy.data.images.load(EXR)
+image.colorspace_settings.is_data = True
+values = list(image.pixels)
+print("MEAN", sum(values[0::4]) / image.size[0] / image.size[1], sum(values[1::4]) / image.size[0] / image.size[1])
+"""
+
+
+@pytest.mark.skipif(not CORE.exists(), reason="the core is not built")
+@pytest.mark.parametrize("script", SCENES)
+def test_a_scene_script_writes_its_picture_and_its_scene_file(host, tmp_path, script):
+    name, more = SCENES[script]
+    launch = tmp_path / "launch.py"
+    launch.write_text(LAUNCH.replace("EXR", repr(str(tmp_path / (name + ".exr")))))
+    done = subprocess.run(
+        [*host.command, str(launch), "--", str(ROOT / "test_scenes" / (script + ".py")), "--output", str(tmp_path),
+         "--resolution", "24", "18", "--samples", "2", *more],
+        env=dict(os.environ, STOKES_CORE=str(CORE)), timeout=100, text=True, cwd=tmp_path,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    assert done.returncode == 0 and "Traceback" not in done.stdout, done.stdout
+    mean = next(line.split()[1:] for line in done.stdout.splitlines() if line.startswith("MEAN"))
+    assert all(0.005 < float(value) < 10 for value in mean), mean
+    assert (tmp_path / (name + ".png")).stat().st_size > 500
+    info = subprocess.run([CORE, "info", tmp_path / (name + ".stokes")], check=True, timeout=30, text=True,
+                          capture_output=True).stdout
+    assert "Lamp" in info or "light" in info
