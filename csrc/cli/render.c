@@ -17,14 +17,15 @@ static const char help[] =
     "\n"
     "  -o, --output FILE        .exr: linear RGBA, spectral bins, and all that `stokes merge` needs;\n"
     "                           .png: as the scene's display and view show it. May be given more than once\n"
-    "  -s, --samples N | A:B    N samples of each pixel, or the samples [A, B) (A counts from 0)\n"
+    "      --spp N              samples of each pixel\n"
+    "  -s, --samples A:B        only the samples [A, B) of each pixel (A counts from 0)\n"
     "  -i, --integrator NAME    pt, pt_nee, lt, mbdpt or bdpt\n"
     "      --techniques LIST    only these light and camera vertex counts, as \"2,2 3,1\"; \"\" is all\n"
     "      --max-path N         edges of the longest path\n"
     "      --d0 NM              half-width of the first sample's spectral kernel\n"
     "      --shrink S           its exponent: the n-th sample has d0 n^-S\n"
-    "      --bins N             spectral bins in the EXR; 0: none\n"
-    "      --bins-range A:B     their range in nm (default: the visible part of the scene's range)\n"
+    "      --spectral-bins N[:A:B]  spectral bins in the EXR, over A to B nm (default: the visible part of the\n"
+    "                           scene's range); 0: none\n"
     "      --seed N             another set of random numbers\n"
     "  -t, --threads N          0: all processors\n"
     "      --time-limit S       start no pass that would end later than so many seconds\n"
@@ -102,7 +103,6 @@ enum {
     OPTION_D0,
     OPTION_SHRINK,
     OPTION_BINS,
-    OPTION_BINS_RANGE,
     OPTION_SEED,
     OPTION_TIME_LIMIT
 };
@@ -115,8 +115,8 @@ static const struct option options[] = {
     {"max-path", required_argument, NULL, OPTION_MAX_PATH},
     {"d0", required_argument, NULL, OPTION_D0},
     {"shrink", required_argument, NULL, OPTION_SHRINK},
-    {"bins", required_argument, NULL, OPTION_BINS},
-    {"bins-range", required_argument, NULL, OPTION_BINS_RANGE},
+    {"spp", required_argument, NULL, 's'},
+    {"spectral-bins", required_argument, NULL, OPTION_BINS},
     {"seed", required_argument, NULL, OPTION_SEED},
     {"threads", required_argument, NULL, 't'},
     {"time-limit", required_argument, NULL, OPTION_TIME_LIMIT},
@@ -155,6 +155,19 @@ static bool read_int(const char *text, int *value)
     return true;
 }
 
+/* N, or N:A:B. */
+static bool read_bins(const char *text, stokes_overrides *o)
+{
+    const char *colon = strchr(text, ':');
+    char count[16] = "";
+    if (!colon)
+        return read_int(text, &o->spectral_bins);
+    if ((size_t)(colon - text) >= sizeof count)
+        return false;
+    memcpy(count, text, (size_t)(colon - text));
+    return read_int(count, &o->spectral_bins) && read_range(colon + 1, 1e6, &o->bins_min_nm, &o->bins_max_nm);
+}
+
 /* False if the argument is not what the option takes. */
 static bool read_option(int option, struct job *job)
 {
@@ -174,8 +187,7 @@ static bool read_option(int option, struct job *job)
     case OPTION_MAX_PATH: return read_int(optarg, &o->max_path);
     case OPTION_D0: return cli_number(optarg, 0, 1e6, &o->d0_nm);
     case OPTION_SHRINK: return cli_number(optarg, 0, 1, &o->shrink);
-    case OPTION_BINS: return read_int(optarg, &o->spectral_bins);
-    case OPTION_BINS_RANGE: return read_range(optarg, 1e6, &o->bins_min_nm, &o->bins_max_nm);
+    case OPTION_BINS: return read_bins(optarg, o);
     case OPTION_SEED: return cli_whole(optarg, 0, UINT32_MAX, &o->seed);
     case OPTION_TIME_LIMIT: return cli_number(optarg, 0, 1e9, &o->time_limit_s);
     }

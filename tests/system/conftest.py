@@ -52,7 +52,7 @@ class Core:
             name = "render-%d-%d.exr" % (os.getpid(), self.count)
         out = self.directory / name
         if bins:
-            options.update(bins=bins[0], bins_range="%g:%g" % bins[1:])
+            options.update(spectral_bins="%d:%g:%g" % bins)
         arguments = [text for key, value in options.items() for text in ("--" + key.replace("_", "-"), value)]
         self.run("render", scene, "-o", out, "--quiet", *arguments)
         picture = exr.read(out)
