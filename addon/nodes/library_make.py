@@ -10,6 +10,10 @@ import subprocess
 import sys
 
 FIRST, LAST, STEP = 300, 830, 5
+SOURCE = (
+    "Made by library_make.py from csrc/spectrum/library (sources: its generate.py); the CIE observer, "
+    "A and the D illuminants from colour-science (BSD-3-Clause)"
+)
 GRID = str(FIRST), str(LAST), str(STEP)
 
 
@@ -60,7 +64,13 @@ def illuminants():
 def write(entries, path):
     entries = dict(entries)
     entries.update(("illuminant/" + name, values) for name, values in illuminants().items())
-    head = {"first": FIRST, "step": STEP, "observer": observer(), "d65": entries["illuminant/D65"]}
+    head = {
+        "source": SOURCE,
+        "first": FIRST,
+        "step": STEP,
+        "observer": observer(),
+        "d65": entries["illuminant/D65"],
+    }
     with open(path + ".new", "w", encoding="utf-8") as out:
         out.write(json.dumps(head, separators=(",", ":"))[:-1] + ',"entries":{\n')
         out.write(
