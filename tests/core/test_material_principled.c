@@ -176,16 +176,19 @@ static void without_specular_and_roughness_model_4_is_lambertian(void **state)
     assert_float_equal(reflected(&p, a, b), 0.6 / PI_F, 1e-6);
 }
 
-/* Burley 2012: grazing reflection falls by half at roughness 0 and rises with it; at normal incidence it is Lambert's. */
+/* Burley 2012, as first published: (1 + (F_D90 − 1) F_L) (1 + (F_D90 − 1) F_V)/π with F_D90 = ½ + 2 roughness cos²θ_d. */
 static void model_3_diffuse_is_burleys(void **state)
 {
     (void)state;
-    struct principled_case p = {3, 0, 0, 0, 0, 0, 1, 0, 0};
-    struct vec3 grazing = normalize(vec3(1, 0, 1e-3f));
-    assert_float_equal(reflected(&p, UP, UP), 1 / PI_F, 1e-5);
-    assert_float_equal(reflected(&p, grazing, UP), 0.5 / PI_F, 2e-3);
-    p.roughness = 1; /* F_D90 = ½ + 2 cos²θ_d, θ_d = 45° */
-    assert_float_equal(reflected(&p, grazing, UP), 1.5 / PI_F, 2e-2);
+    struct kit_random r = {random_path(78, 0, 0), 0};
+    for (int i = 0; i < 200; i++) {
+        struct principled_case p = {3, 0, kit_uniform(&r), 0, 0, 0, 0.7f, 0, 0};
+        struct vec3 l = kit_direction_about(&r, UP, false), v = kit_direction_about(&r, UP, false);
+        double cosine = dot(normalize(add(l, v)), l), grazing = 0.5 + 2 * p.roughness * cosine * cosine;
+        double fl = pow(1 - l.z, 5), fv = pow(1 - v.z, 5);
+        double expected = 0.7 / PI_F * (1 + (grazing - 1) * fl) * (1 + (grazing - 1) * fv);
+        assert_float_equal(reflected(&p, l, v), expected, 1e-5);
+    }
 }
 
 static void textured_inputs_keep_every_lobe_that_some_texel_needs(void **state)
