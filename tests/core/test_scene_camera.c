@@ -233,6 +233,22 @@ static void window_coordinates_are_the_film_point(void **state)
     }
 }
 
+static void scale_of_the_transform_does_not_matter_but_mirroring_does(void **state)
+{
+    (void)state;
+    struct camera_input in = perspective();
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        in.transform = (struct transform){{mirrored ? -3 : 3, 0, 0, 0, 0, 2, 0, 0, 0, 0, 5, 0}};
+        struct scene *scene = make(in);
+        float u[2] = {0, 0}, pdf;
+        struct camera_point lens;
+        struct ray ray = scene_camera_ray(scene, WIDTH, HEIGHT, u, &lens, &pdf);
+        struct vec3 expected = normalize(vec3(mirrored ? -0.5f : 0.5f, 0.8f, -1));
+        assert_true(length(sub(ray.direction, expected)) < 1e-6f);
+        scene_destroy(scene);
+    }
+}
+
 static void points_outside_frame_or_clip_range_do_not_connect(void **state)
 {
     (void)state;
@@ -284,6 +300,7 @@ int main(void)
         cmocka_unit_test(lens_rays_meet_in_the_plane_of_focus),
         cmocka_unit_test(lens_points_fill_their_aperture),
         cmocka_unit_test(window_coordinates_are_the_film_point),
+        cmocka_unit_test(scale_of_the_transform_does_not_matter_but_mirroring_does),
         cmocka_unit_test(points_outside_frame_or_clip_range_do_not_connect),
         cmocka_unit_test(bad_cameras_name_what_is_wrong),
     };
