@@ -1,8 +1,10 @@
 /* One frame applied to a session: the table of messages, and what holds for all of them. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
+#include "stream/frame.h"
 #include "stream/messages.h"
 
 #define STREAM_VERSION 1
@@ -57,18 +59,11 @@ const struct message_kind *message_kind_find(const char *name)
 /* Rooms name object and property; the message is put before the property here, once for all. */
 static void name_message(stokes_error *err, const char *name)
 {
-    char property[sizeof err->property];
+    char property[FRAME_NAME_BYTES + sizeof err->property + 2];
     if (!err || strcmp(err->object, name) == 0)
         return;
-    memcpy(property, err->property, sizeof property);
-    stokes_error told = *err;
-    fail(err, told.object, "", "%s", told.text);
-    size_t room = sizeof err->property - 1;
-    err->property[0] = '\0';
-    strncat(err->property, name, room);
-    if (*property)
-        strncat(err->property, ".", room - strlen(err->property));
-    strncat(err->property, property, room - strlen(err->property));
+    snprintf(property, sizeof property, "%s%s%s", name, *err->property ? "." : "", err->property);
+    fail(err, err->object, property, "%s", err->text);
 }
 
 static bool read_name(const struct place *root, struct message *message)
