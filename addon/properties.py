@@ -21,6 +21,12 @@ INTEGRATORS = (
         "fluorescence with glass, caustics and hidden lights",
     ),
     (
+        'bdpt',
+        "Bidirectional (Exact)",
+        "Paths from both ends whose wavelengths are chosen to fit: no blur of colours, no width to "
+        "set. Best where dispersive glass is on one side only",
+    ),
+    (
         'pt_nee',
         "Path Tracing",
         "Paths from the camera, with a look at a light at every bounce. Best for open scenes",

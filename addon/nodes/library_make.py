@@ -11,8 +11,8 @@ import sys
 
 FIRST, LAST, STEP = 300, 830, 5
 SOURCE = (
-    "Made by library_make.py from csrc/spectrum/library (sources: its generate.py); the CIE observer, "
-    "A and the D illuminants from colour-science (BSD-3-Clause)"
+    "Made by library_make.py from csrc/spectrum/library (sources: its generate.py); "
+    "the CIE observer, A and the D illuminants from colour-science (BSD-3-Clause)"
 )
 GRID = str(FIRST), str(LAST), str(STEP)
 

@@ -87,8 +87,10 @@ class StokesSpectrumFileSettings(bpy.types.PropertyGroup):
         default=False,
         update=on_change,
     )
-    data: StringProperty(name="Data", description="What was read from the file")
-    problem: StringProperty(name="Problem", description="Why the file could not be read")
+    data: StringProperty(name="Data", options={'HIDDEN'}, description="What was read from the file")
+    problem: StringProperty(
+        name="Problem", options={'HIDDEN'}, description="Why the file could not be read"
+    )
     unit: unit_property()
 
 
