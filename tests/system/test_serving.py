@@ -211,6 +211,27 @@ def test_interrupt_keeps_whole_passes(tmp_path):
     assert again.read_bytes() == out.read_bytes()
 
 
+def test_renders_and_edits_one_after_another_take_no_more_memory(server):
+    """Pages, descriptors and threads after 20 rounds are those after 200, within 5 %."""
+    proc = pathlib.Path("/proc/%d" % server.process.pid)
+    server.send(LONG)
+    seen = []
+    for i in range(200):
+        red = {"bsdf": "diffuse", "reflectance": {"rgb": [i / 200, 0.5, 0.2]}}
+        kind = ("pt", "lt", "mbdpt", "bdpt")[i % 4]
+        edit = frames.mesh() + frames.material(red) + frames.settings(integrator=kind)
+        server.send(edit + frames.camera(32, 32) + frames.render(i, i + 1))
+        server.wait("finished", samples=1)
+        pages = int((proc / "statm").read_text().split()[1])
+        seen.append(
+            (pages, len(list((proc / "fd").iterdir())), len(list((proc / "task").iterdir())))
+        )
+    assert seen[199][0] <= 1.05 * seen[20][0] and seen[199][1:] == seen[20][1:], (
+        seen[20],
+        seen[199],
+    )
+
+
 def test_a_time_limit_keeps_whole_passes(tmp_path):
     scene, out, again = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "again.exr"
     scene.write_bytes(frames.scene(size=64, samples=1 << 20))
