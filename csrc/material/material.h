@@ -6,6 +6,9 @@
    both directions of transport agree (Veach 1997, §5.3). `to_light` points toward the light's side of the path, `to_camera`
    toward the camera's, both away from the surface.
 
+   A direction that ng and ns see on different sides has no value; for diffuse lobes that holds for the light's direction
+   alone, and the camera's side is that of ng.
+
    Labels: every vertex of a path is ELASTIC (all lobes of finite density that keep the wavelength, summed),
    FLUORESCENT (one such lobe) or SPECULAR (one δ lobe). Densities include the label's probability. */
 #ifndef MATERIAL_MATERIAL_H

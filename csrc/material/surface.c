@@ -17,6 +17,25 @@ static bool to_lobe(const struct surface *s, const struct lobe *lobe, struct vec
     return local->z * dot(w, s->ng) > 0;
 }
 
+static bool is_diffuse(const struct lobe *lobe)
+{
+    return lobe->kind->reflects_as == SCATTER_DIFFUSE && lobe->kind->nature != LOBE_DELTA;
+}
+
+/* Below this cosine a camera is taken to see a diffuse lobe at this cosine. */
+#define CAMERA_MIN_COSINE 1e-3f
+
+/* The camera's direction. What a diffuse lobe sends out hardly depends on it, so its side is that of ng alone: or else bumps and
+   silhouettes that turn their shading normal away from the camera would be black. */
+static bool camera_to_lobe(const struct surface *s, const struct lobe *lobe, struct vec3 w,
+                           struct vec3 *local)
+{
+    if (to_lobe(s, lobe, w, local) || !is_diffuse(lobe))
+        return local->z * dot(w, s->ng) > 0;
+    local->z = copysignf(CAMERA_MIN_COSINE, dot(w, s->ng));
+    return dot(w, s->ng) != 0;
+}
+
 static float view_weight(const struct surface *s, const struct lobe *lobe, struct vec3 direction)
 {
     float weight = 1;
@@ -99,7 +118,7 @@ float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3
         const struct lobe *lobe = &s->lobe[i];
         struct vec3 l, c;
         if (lobe->kind->nature != LOBE_FINITE || !to_lobe(s, lobe, to_light, &l) ||
-            !to_lobe(s, lobe, to_camera, &c))
+            !camera_to_lobe(s, lobe, to_camera, &c))
             continue;
         float weight = lobe->weight * view_weight(s, lobe, to_camera);
         if (lobe->softened)
@@ -116,7 +135,7 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
     const struct lobe *lobe = &s->lobe[s->fluorescent[f]];
     const struct fluorophore *dye = fluorophore_of(lobe);
     struct vec3 l, c;
-    if (!to_lobe(s, lobe, to_light, &l) || !to_lobe(s, lobe, to_camera, &c) || l.z * c.z < 0)
+    if (!to_lobe(s, lobe, to_light, &l) || !camera_to_lobe(s, lobe, to_camera, &c) || l.z * c.z < 0)
         return 0;
     float weight =
         lobe->weight * view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
@@ -128,14 +147,33 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
 
 /* --- Densities ------------------------------------------------------------------------------------------- */
 
+/* The lobe's coordinates for a sub-path that arrives: how it sees `arriving`, and the frame in which it draws. A diffuse lobe's
+   value is even over the camera's directions about ng, so that is how light sub-paths draw them. */
+static bool drawing_frame(const struct surface *s, const struct lobe *lobe, enum side side,
+                          struct vec3 arriving, struct vec3 *local, struct frame *frame)
+{
+    if (side == SIDE_CAMERA) {
+        *frame = lobe->frame;
+        return camera_to_lobe(s, lobe, arriving, local);
+    }
+    bool possible = to_lobe(s, lobe, arriving, local);
+    *frame = is_diffuse(lobe) ? frame_about(s->ng) : lobe->frame;
+    if (is_diffuse(lobe))
+        *local = to_local(frame, arriving);
+    return possible;
+}
+
 /* Per projected solid angle, of one lobe of finite density, without its chance. */
 static float direction_pdf(const struct surface *s, const struct lobe *lobe, enum side side,
                            struct vec3 arriving, struct vec3 leaving, float lambda)
 {
     struct vec3 a, b;
-    if (!to_lobe(s, lobe, arriving, &a) || !to_lobe(s, lobe, leaving, &b))
+    struct frame frame;
+    if (!drawing_frame(s, lobe, side, arriving, &a, &frame))
         return 0;
-    return lobe->kind->pdf(lobe, side, a, b, lambda) / fabsf(dot(leaving, s->ng));
+    b = to_local(&frame, leaving);
+    float cosine = dot(leaving, s->ng);
+    return b.z * cosine > 0 ? lobe->kind->pdf(lobe, side, a, b, lambda) / fabsf(cosine) : 0;
 }
 
 float surface_pdf_elastic(const struct surface *s, enum side side, struct vec3 arriving, struct vec3 leaving,
@@ -246,10 +284,11 @@ static bool draw_direction(const struct draw *d, const struct lobe *lobe, struct
 {
     const float u[3] = {d->u[2], d->u[3], d->u[1]};
     struct vec3 a, b;
-    if (!to_lobe(d->surface, lobe, d->arriving, &a) ||
+    struct frame frame;
+    if (!drawing_frame(d->surface, lobe, d->side, d->arriving, &a, &frame) ||
         !lobe->kind->sample(lobe, d->side, a, d->lambda, u, &b))
         return false;
-    *leaving = to_world(&lobe->frame, b);
+    *leaving = to_world(&frame, b);
     return b.z * dot(*leaving, d->surface->ng) > 0;
 }
 

@@ -387,7 +387,7 @@ static void a_normal_maps_terminator_is_softened_for_diffuse_lobes(void **state)
     material_destroy(m);
 }
 
-static void directions_between_the_two_normals_horizons_are_rejected(void **state)
+static void directions_between_the_two_normals_horizons_get_no_light(void **state)
 {
     (void)state;
     struct material *m = kit_compile(diffuse(1));
@@ -396,12 +396,29 @@ static void directions_between_the_two_normals_horizons_are_rejected(void **stat
     struct vec3 below_ns = normalize(vec3(-0.9f, 0, 0.2f)), below_ng = normalize(vec3(0.9f, 0, -0.2f));
     assert_true(dot(below_ns, ns) < 0 && dot(below_ng, ns) > 0);
     assert_true(surface_elastic(&s, below_ns, UP, 500) == 0 && surface_elastic(&s, below_ng, UP, 500) == 0);
-    assert_true(surface_elastic(&s, UP, below_ns, 500) == 0);
+    assert_true(surface_pdf_elastic(&s, SIDE_CAMERA, UP, below_ns, 500) == 0);
+    assert_true(surface_pdf_elastic(&s, SIDE_LIGHT, below_ns, UP, 500) == 0);
     assert_true(surface_pdf_elastic(&s, SIDE_CAMERA, UP, below_ng, 500) == 0);
-    assert_true(surface_pdf_elastic(&s, SIDE_CAMERA, below_ns, UP, 500) == 0);
     struct vec3 fine = normalize(vec3(0.2f, 0.5f, 0.6f));
     assert_float_equal(surface_elastic(&s, fine, UP, 500), TOP * dot(fine, ns) / dot(fine, UP), 1e-6);
-    assert_float_equal(surface_pdf_elastic(&s, SIDE_LIGHT, fine, UP, 500), TOP * dot(UP, ns), 1e-6);
+    assert_float_equal(surface_pdf_elastic(&s, SIDE_LIGHT, fine, UP, 500), TOP, 1e-6);
+    material_destroy(m);
+}
+
+/* A bump that turns away from the camera is not black: what it sends out is the same in all directions. */
+static void a_diffuse_surface_is_seen_from_all_of_its_geometric_side(void **state)
+{
+    (void)state;
+    struct closure *dye = kit_dye(0.5f, 0.5f, 420, 560, 1, false);
+    struct material *m = kit_compile(kit_mix(diffuse(1), dye, kit_value(0.5f)));
+    struct vec3 ns = normalize(vec3(0.6f, 0, 0.8f)), below_ns = normalize(vec3(-0.9f, 0, 0.2f));
+    struct surface s = kit_surface(m, UP, ns);
+    assert_float_equal(surface_elastic(&s, UP, below_ns, 500), surface_elastic(&s, UP, UP, 500), 1e-6);
+    assert_float_equal(surface_fluorescent(&s, 0, UP, below_ns, 430, 570),
+                       surface_fluorescent(&s, 0, UP, UP, 430, 570), 1e-8);
+    assert_true(surface_pdf_elastic(&s, SIDE_LIGHT, UP, below_ns, 500) > 0);
+    assert_true(surface_pdf_elastic(&s, SIDE_CAMERA, below_ns, UP, 500) > 0);
+    assert_true(surface_elastic(&s, UP, negate(below_ns), 500) == 0);
     material_destroy(m);
 }
 
@@ -542,7 +559,8 @@ int main(void)
         cmocka_unit_test(normal_maps_turn_the_frame_in_tangent_space),
         cmocka_unit_test(a_sunk_normal_stays_on_the_side_of_the_geometry),
         cmocka_unit_test(a_normal_maps_terminator_is_softened_for_diffuse_lobes),
-        cmocka_unit_test(directions_between_the_two_normals_horizons_are_rejected),
+        cmocka_unit_test(directions_between_the_two_normals_horizons_get_no_light),
+        cmocka_unit_test(a_diffuse_surface_is_seen_from_all_of_its_geometric_side),
         cmocka_unit_test(emission_is_weighted_and_one_sided_unless_asked),
         cmocka_unit_test(white_oren_nayar_loses_what_further_bounces_give_back),
         cmocka_unit_test(bad_input_names_its_property),
