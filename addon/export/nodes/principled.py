@@ -21,6 +21,7 @@ _NOT_YET = (
         ("Transmission Roughness",),
         "a roughness of its own for transmission is not supported; Roughness is used",
     ),
+    (("Thin Wall",), "a thin wall is not supported yet; a solid is used"),
     (("Thin Film Thickness",), "the thin film is not supported yet and left out"),
     (
         ("Diffuse Roughness",),
