@@ -217,6 +217,31 @@ static void a_crowd_of_lamps_is_met_as_each_alone(void **state)
     scene_destroy(crowd);
 }
 
+static void lights_hidden_from_the_camera_are_seen_by_others_alone(void **state)
+{
+    (void)state;
+    struct scene *scene = scene_create();
+    struct light_input lamp = {.name = "lamp",
+                               .shape = LIGHT_SPHERE,
+                               .radius = 1,
+                               .transform = scenes_identity,
+                               .emission = scenes_emission(1),
+                               .visible = scenes_visible};
+    struct world_input world = {.emission = scenes_emission(1), .visible = scenes_visible};
+    lamp.visible.camera = world.visible.camera = false;
+    assert_true(scene_add_light(scene, &lamp, NULL) && scene_set_world(scene, &world, NULL));
+    scenes_commit(scene);
+    for (uint32_t kind = RAY_CAMERA; kind <= RAY_TRANSMISSION; kind *= 2) {
+        struct ray ray = {vec3(0, 0, 5), vec3(0, 0, -1), 0, INFINITY, kind};
+        struct light_point point;
+        assert_int_equal(scene_lamps_along(scene, &ray, &point, 1), kind != RAY_CAMERA);
+        if (kind != RAY_CAMERA)
+            assert_false(scene_light_seen_by_camera(scene, &point));
+        assert_int_equal(scene_distant_along(scene, &ray, &point, 1), kind != RAY_CAMERA);
+    }
+    scene_destroy(scene);
+}
+
 /* Radiance received at a point, once by rays in all directions that meet the lamp, once by points on it with
    G. */
 static void rays_find_lamps_as_sampling_draws_them(void **state)
@@ -269,6 +294,7 @@ int main(void)
         cmocka_unit_test(world_is_drawn_as_its_density_says),
         cmocka_unit_test(rays_see_a_sun_of_its_size),
         cmocka_unit_test(a_crowd_of_lamps_is_met_as_each_alone),
+        cmocka_unit_test(lights_hidden_from_the_camera_are_seen_by_others_alone),
         cmocka_unit_test(rays_find_lamps_as_sampling_draws_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
