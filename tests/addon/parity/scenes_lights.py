@@ -3,7 +3,7 @@
 from stage import camera, diffuse, emission, light, link, plane, scene, still_life
 
 
-@scene(run="always")
+@scene(samples=(64, 768), run="always")
 def default_cube():
     """The file that Blender starts with: a Principled cube, a point light and a grey world."""
 
@@ -14,7 +14,7 @@ def point_hard():
     light('POINT', 150, shadow_soft_size=0.0)
 
 
-@scene(run="every")
+@scene(samples=(64, 1024), run="every")
 def point_soft():
     still_life()
     light('POINT', 150, shadow_soft_size=0.25)
@@ -26,7 +26,7 @@ def spot_hard():
     light('SPOT', 600, shadow_soft_size=0.0, spot_size=0.9, spot_blend=0.2)
 
 
-@scene(run="every")
+@scene(samples=(64, 1024), run="every")
 def spot_soft():
     still_life()
     light('SPOT', 600, shadow_soft_size=0.15, spot_size=1.0, spot_blend=0.6)
@@ -82,7 +82,7 @@ def mesh_emitter():
     panel.data.materials.append(emission(6.0))
 
 
-@scene(run="long")
+@scene(samples=(64, 512), run="long")
 def mesh_emitter_in_view():
     """Seen by the camera, lit from both sides."""
     still_life()
@@ -96,7 +96,7 @@ def coloured_lamp():
     light('AREA', 80, shape='SQUARE', size=1.0, color=(1.0, 0.45, 0.12))
 
 
-@scene(run="long")
+@scene(samples=(64, 512), run="long")
 def lamps_in_view():
     """What lamps look like to the camera, which does not see them unless asked to."""
     link("Floor", plane("Floor", 8.0)).data.materials.append(diffuse(0.5))
@@ -108,7 +108,7 @@ def lamps_in_view():
         lamp.visible_camera = True
 
 
-@scene(run="long")
+@scene(samples=(64, 512), run="long")
 def three_lamps():
     still_life()
     light('POINT', 60, (-2, -2, 2), shadow_soft_size=0.1)
@@ -116,7 +116,7 @@ def three_lamps():
     light('SUN', 0.7, angle=0.1)
 
 
-@scene(run="long")
+@scene(samples=(64, 1024), run="long")
 def lamp_with_strength_node():
     """A light's own nodes multiply its power."""
     still_life()

@@ -48,7 +48,7 @@ def principled_no_specular():
     show(lambda tree: principled(tree, Base_Color=PALE, Specular=0.0))
 
 
-@scene(run="every")
+@scene(samples=(64, 320), run="every")
 def principled_metal():
     show(lambda tree: principled(tree, Base_Color=PALE, Metallic=1.0, Roughness=0.3))
 
@@ -58,7 +58,7 @@ def principled_half_metal():
     show(lambda tree: principled(tree, Base_Color=PALE, Metallic=0.5, Roughness=0.4))
 
 
-@scene(samples=(128, 384))
+@scene(samples=(128, 512))
 def principled_glass():
     show(lambda tree: principled(tree, Base_Color=PALE, Transmission=1.0, Roughness=0.0, IOR=1.45), diffuse(0.5))
 
@@ -105,7 +105,7 @@ def glossy_mirror():
     show(lambda tree: tree.node(GLOSSY, {"distribution": 'GGX'}, Color=PALE, Roughness=0.0), diffuse(0.5))
 
 
-@scene(samples=(128, 384), run="every")
+@scene(samples=(128, 1024), run="every")
 def glass_smooth():
     show(lambda tree: tree.node("ShaderNodeBsdfGlass", {"distribution": 'GGX'}, Roughness=0.0, IOR=1.5), diffuse(0.5))
 
@@ -185,7 +185,7 @@ def placed(tree, kind="UV", **mapping):
     return tree.node("ShaderNodeMapping", None, Vector=place, **mapping)
 
 
-@scene()
+@scene(samples=(64, 320))
 def texture_mapped():
     show(lambda tree: tree.node("ShaderNodeBsdfDiffuse", Color=textured(
         tree, pictures.chart(), placed(tree, Location=(0.1, 0.3, 0), Rotation=(0, 0, 0.5), Scale=(1.7, 0.8, 1)))))
@@ -204,7 +204,7 @@ def texture_generated():
         tree, pictures.chart(), placed(tree, "Generated"), extension='EXTEND')))
 
 
-@scene()
+@scene(samples=(64, 320))
 def texture_with_alpha():
     """Alpha that no node uses multiplies the colours, before they are decoded."""
     show(lambda tree: tree.node("ShaderNodeBsdfDiffuse", Color=textured(tree, pictures.chart(alpha=0.5))))

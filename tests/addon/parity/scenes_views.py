@@ -20,7 +20,7 @@ def world_coloured():
     world(1.0, tint=(0.25, 0.5, 1.0))
 
 
-@scene(samples=(128, 256), run="every")
+@scene(samples=(128, 320), run="every")
 def world_sun_image():
     """A sky, a ground and a sun of a few texels, turned about the vertical."""
     still_life()
