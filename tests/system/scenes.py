@@ -38,9 +38,9 @@ MATERIALS = {
 LIGHTS = {"d65": exact.d65(), "uv": exact.Table([344, 362, 374, 396], [0, 1, 1, 0])}
 # Where each light, and what it makes the dye emit, is looked at: bins of 20 nm.
 BINS = {
-    ("elastic", "d65"): (15, 400, 700),
+    ("elastic", "d65"): (14, 420, 700),
     ("elastic", "uv"): (3, 340, 400),
-    ("fluorescent", "d65"): (15, 400, 700),
+    ("fluorescent", "d65"): (14, 420, 700),
     ("fluorescent", "uv"): (13, 340, 600),
 }
 
@@ -250,4 +250,16 @@ def box(path, resolution=(64, 48), border=None, specular=True, view="front", **s
         }[view]
         members = {} if border is None else {"border": border}
         camera(out, look, resolution, 0.75, **members)
+        out.send("render", samples=[0, 16])
+
+
+def lamp_in_the_dark(path, resolution=(12, 12)):
+    """A bright square, a fraction of a pixel wide, before a camera; nothing reflects."""
+    message, _ = emission(LIGHTS["d65"])
+    positions = np.array([[x, y, -2.0] for x, y in ((-0.1, 0.1), (0.15, 0.1), (0.15, 0.35), (-0.1, 0.35))])
+    with stream.Recorder(path) as out:
+        out.send("material", name="lamp", surface={"emission": message, "two_sided": True})
+        mesh(out, "lamp", positions, np.array([[0, 1, 2], [0, 2, 3]]))
+        instance(out, "lamp", ["lamp"])
+        camera(out, IDENTITY, resolution, 1.0)
         out.send("render", samples=[0, 16])

@@ -69,3 +69,28 @@ def test_integrator_agrees_with_path_tracing(core, reference, view, integrator):
     found = core.batches(path, integrator, BATCHES, SAMPLES[integrator], BINS, measure, first_seed=1000)
     names, sees = names_and_promises(RESOLUTION)
     stats.assert_same("%s, %s" % (view, integrator), found, wanted, sees, names=names)
+
+
+def lamp_pixels(picture):
+    return picture.bins()[1].mean(axis=0, dtype=np.float64)[4:10, 3:9].ravel()
+
+
+@pytest.fixture(scope="module")
+def small_lamp(core, tmp_path_factory):
+    """A lamp smaller than a pixel, and what camera samples make of it: two pixels each way see it."""
+    path = tmp_path_factory.mktemp("lamp") / "lamp.stokes"
+    scenes.lamp_in_the_dark(path)
+    return path, core.batches(path, "pt", BATCHES, 2500, BINS, lamp_pixels)
+
+
+@pytest.mark.parametrize("integrator", ["pt_nee", "lt", "mbdpt"])
+def test_every_pixel_sees_a_small_lamp_through_the_same_filter(core, small_lamp, integrator):
+    """Splats and camera samples spread a lamp smaller than a pixel over the same pixels in the same shares."""
+    path, wanted = small_lamp
+    found = core.batches(path, integrator, BATCHES, 800, BINS, lamp_pixels, first_seed=1000)
+    brightest = wanted.mean(axis=0).max()
+    seen = wanted.mean(axis=0) > 0.02 * brightest
+    names = np.array(["pixel %d,%d" % (x, y) for y in range(4, 10) for x in range(3, 9)])
+    stats.assert_same(
+        integrator, found[:, seen], wanted[:, seen], 0.1, scale=brightest, names=names[seen]
+    )

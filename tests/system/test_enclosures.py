@@ -28,8 +28,8 @@ BATCHES = {"pt": (4, 64), "pt_nee": (4, 64), "lt": (48, 1), "mbdpt": (48, 1)}
 SAMPLES = {
     ("elastic", "d65"): {"pt": 2600, "pt_nee": 300, "lt": 820, "mbdpt": 150},
     ("elastic", "uv"): {"pt": 100, "pt_nee": 140, "lt": 260, "mbdpt": 40},
-    ("fluorescent", "d65"): {"pt": 8000, "pt_nee": 2400, "lt": 1500, "mbdpt": 150},
-    ("fluorescent", "uv"): {"pt": 16000, "pt_nee": 7500, "lt": 400, "mbdpt": 200},
+    ("fluorescent", "d65"): {"pt": 8000, "pt_nee": 2400, "lt": 1300, "mbdpt": 150},
+    ("fluorescent", "uv"): {"pt": 16000, "pt_nee": 10500, "lt": 400, "mbdpt": 200},
 }
 LAMP_SAMPLES = 7500  # for the lamp in the sphere's middle
 
