@@ -21,15 +21,18 @@ LIBS     = $(shell pkg-config --libs $(PACKAGES) 2>/dev/null) -lOpenEXRCore -lem
 SOURCES   = $(filter-out csrc/cli/%,$(wildcard csrc/*/*.c csrc/*/*.cpp csrc/*/*/*.c))
 OBJECTS   = $(patsubst %,$(BUILD)/%.o,$(basename $(SOURCES)))
 CLI       = $(patsubst %.c,$(BUILD)/%.o,$(wildcard csrc/cli/*.c))
-TESTS     = $(patsubst tests/core/test_%.c,$(BUILD)/tests/test_%,$(wildcard tests/core/test_*.c))
+NAMES    ?= *
+TESTS     = $(patsubst tests/core/test_%.c,$(BUILD)/tests/test_%,$(wildcard $(NAMES:%=tests/core/test_%.c)))
+RUNS      = $(TESTS:$(BUILD)/tests/%=run-%)
 TEST_AIDS = $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/core/test_%,$(wildcard tests/core/*.c)))
 
 VENV  = build/venv
 DEMO  = build/demo
+JOBS  ?= $(shell nproc)
 RESOLUTION ?= 512 512
 SAMPLES ?= 64
 
-.PHONY: all core demo test test-core test-long deps clean help
+.PHONY: $(RUNS) all core demo test test-core test-long deps clean help
 .SECONDARY:
 all: core
 
@@ -41,8 +44,8 @@ build/deps/.done: .ci/dependencies
 	bash .ci/dependencies build/deps
 	@touch $@
 
-core: deps ## build build/stokes and build/libstokes.so
-	@$(MAKE) --no-print-directory build/$(if $(filter release,$(VARIANT)),,$(VARIANT)/)stokes
+core: deps ## build build/stokes
+	@$(MAKE) --no-print-directory -j$(JOBS) build/$(if $(filter release,$(VARIANT)),,$(VARIANT)/)stokes
 
 build/stokes build/$(VARIANT)/stokes: $(CLI) $(BUILD)/libstokes.a
 	$(CC) $(FLAGS.$(VARIANT)) -o $@ $^ $(LIBS)
@@ -71,9 +74,11 @@ test: core test-core $(VENV)/.done ## everything that must hold: the core's room
 test-long: core $(VENV)/.done ## the same answers with ten times the precision
 	$(VENV)/bin/python -m pytest -q -rs -m long tests
 
-test-core: deps
-	@$(MAKE) --no-print-directory $(TESTS)
-	@for test in $(TESTS); do echo "== $$test"; $$test || exit 1; done
+test-core: deps ## the core's own tests; VARIANT=asan with sanitizers, NAMES="base stream" only those
+	@$(MAKE) --no-print-directory -j$(JOBS) $(TESTS)
+	@$(MAKE) --no-print-directory -j$(JOBS) -O $(RUNS)
+$(RUNS): run-%: $(BUILD)/tests/%
+	@echo "== $<"; $<
 
 $(VENV)/.done: tests/requirements.txt
 	$(PYTHON) -m venv $(VENV)
