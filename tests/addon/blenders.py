@@ -23,6 +23,8 @@ MODULES = {  # Blender as a Python module: the newest release of a series, and t
 }
 NAMES = (SYSTEM, *MODULES)
 
+BLENDERS_OWN = {None, 'CYCLES', 'HYDRA_STORM'}  # engines that Blender itself unregisters
+
 SECONDS = 120
 INSTALL_SECONDS = 900
 
@@ -145,7 +147,7 @@ def _launch(script, arguments):
         runpy.run_path(script, run_name="__main__")
     finally:
         for engine in bpy.types.RenderEngine.__subclasses__():
-            if engine.is_registered and engine.bl_idname != 'CYCLES':
+            if getattr(engine, "bl_idname", None) not in BLENDERS_OWN and engine.is_registered:
                 bpy.utils.unregister_class(engine)
 
 
