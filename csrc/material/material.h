@@ -73,7 +73,7 @@ struct lobe {
     float parameter[6];
     const void *data;   /* borrowed from the material */
     struct frame frame; /* about the shading normal, turned to the side of ng */
-    bool softened;      /* diffuse under a normal map: its terminator is smoothed, as Cycles does */
+    bool mapped;        /* by a normal map, whose hard edges are softened as Cycles does (surface.c) */
 };
 
 struct surface {

@@ -168,7 +168,7 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
         lobe->frame = in.frame;
         if (!plan->shade(plan, &in, lobe))
             continue;
-        lobe->softened = plan->closure->normal_map && lobe->kind->reflects_as == SCATTER_DIFFUSE;
+        lobe->mapped = plan->closure->normal_map;
         register_lobe(s);
     }
 }

@@ -10,10 +10,10 @@
 
 /* --- Geometry -------------------------------------------------------------------------------------------- */
 
-/* The direction in the lobe's frame. False on the horizon, or where geometric and shading sides disagree. */
-static bool to_lobe(const struct surface *s, const struct lobe *lobe, struct vec3 w, struct vec3 *local)
+/* The direction in a lobe's frame. False on the horizon, or where geometric and shading sides disagree. */
+static bool in_frame(const struct surface *s, const struct frame *frame, struct vec3 w, struct vec3 *local)
 {
-    *local = to_local(&lobe->frame, w);
+    *local = to_local(frame, w);
     return local->z * dot(w, s->ng) > 0;
 }
 
@@ -22,18 +22,45 @@ static bool is_diffuse(const struct lobe *lobe)
     return lobe->kind->reflects_as == SCATTER_DIFFUSE && lobe->kind->nature != LOBE_DELTA;
 }
 
+/* A lobe whose frame bends: rough reflection under a normal map. */
+static bool is_bent(const struct lobe *lobe)
+{
+    return lobe->mapped && lobe->kind->nature == LOBE_FINITE && lobe->kind->reflectance;
+}
+
+/* The cosine with ng that a mirrored direction keeps, unless the camera's own is lower still. */
+#define BENT_COSINE 0.01f
+#define BENT_SHARE 0.9f
+
+/* Where a map turns the normal so far that the camera's mirror direction sinks below the surface, Cycles turns the normal back
+   until it just rises. In the plane of ng and n, at φ from ng, its cosine is r cos(2φ − ψ) with (cx, cz) = r (sin ψ, cos ψ), which
+   falls where n was turned too far. The frame depends on the camera's direction alone, so that all techniques agree. */
+static struct frame frame_toward(const struct surface *s, const struct lobe *lobe, struct vec3 to_camera)
+{
+    float side = copysignf(1, dot(to_camera, s->ng)), cz = fabsf(dot(to_camera, s->ng));
+    struct vec3 ng = scale(s->ng, side), n = scale(lobe->frame.n, side);
+    float least = fminf(BENT_SHARE * cz, BENT_COSINE), nc = dot(n, to_camera);
+    if (2 * nc * dot(n, ng) - cz >= least)
+        return lobe->frame;
+    struct vec3 x = normalize(along(n, ng, -dot(n, ng)));
+    float cx = dot(to_camera, x), r = sqrtf(cx * cx + cz * cz);
+    float phi = 0.5f * (atan2f(cx, cz) + acosf(fminf(1, least / r)));
+    return frame_about(scale(add(scale(x, sinf(phi)), scale(ng, cosf(phi))), side));
+}
+
 /* Below this cosine a camera is taken to see a diffuse lobe at this cosine. */
 #define CAMERA_MIN_COSINE 1e-3f
 
-/* The camera's direction. What a diffuse lobe sends out hardly depends on it, so its side is that of ng alone: or else bumps and
-   silhouettes that turn their shading normal away from the camera would be black. */
-static bool camera_to_lobe(const struct surface *s, const struct lobe *lobe, struct vec3 w,
-                           struct vec3 *local)
+/* The lobe's frame for a camera, and the camera's direction in it. What a diffuse lobe sends out hardly depends on that direction,
+   so its side is that of ng alone: or else bumps and silhouettes that turn away from the camera would be black. */
+static bool camera_frame(const struct surface *s, const struct lobe *lobe, struct vec3 to_camera,
+                         struct frame *frame, struct vec3 *local)
 {
-    if (to_lobe(s, lobe, w, local) || !is_diffuse(lobe))
-        return local->z * dot(w, s->ng) > 0;
-    local->z = copysignf(CAMERA_MIN_COSINE, dot(w, s->ng));
-    return dot(w, s->ng) != 0;
+    *frame = is_bent(lobe) ? frame_toward(s, lobe, to_camera) : lobe->frame;
+    if (in_frame(s, frame, to_camera, local))
+        return true;
+    local->z = copysignf(CAMERA_MIN_COSINE, dot(to_camera, s->ng));
+    return is_diffuse(lobe) && dot(to_camera, s->ng) != 0;
 }
 
 static float view_weight(const struct surface *s, const struct lobe *lobe, struct vec3 direction)
@@ -117,11 +144,12 @@ float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3
     for (int i = 0; i < s->lobe_count; i++) {
         const struct lobe *lobe = &s->lobe[i];
         struct vec3 l, c;
-        if (lobe->kind->nature != LOBE_FINITE || !to_lobe(s, lobe, to_light, &l) ||
-            !camera_to_lobe(s, lobe, to_camera, &c))
+        struct frame frame;
+        if (lobe->kind->nature != LOBE_FINITE || !camera_frame(s, lobe, to_camera, &frame, &c) ||
+            !in_frame(s, &frame, to_light, &l))
             continue;
         float weight = lobe->weight * view_weight(s, lobe, to_camera);
-        if (lobe->softened)
+        if (lobe->mapped && is_diffuse(lobe))
             weight *= terminator(s, lobe, to_light);
         if (weight > 0)
             sum += weight * lobe->kind->evaluate(lobe, l, c, lambda);
@@ -135,11 +163,12 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
     const struct lobe *lobe = &s->lobe[s->fluorescent[f]];
     const struct fluorophore *dye = fluorophore_of(lobe);
     struct vec3 l, c;
-    if (!to_lobe(s, lobe, to_light, &l) || !camera_to_lobe(s, lobe, to_camera, &c) || l.z * c.z < 0)
+    struct frame frame;
+    if (!camera_frame(s, lobe, to_camera, &frame, &c) || !in_frame(s, &frame, to_light, &l) || l.z * c.z < 0)
         return 0;
     float weight =
         lobe->weight * view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
-    if (lobe->softened)
+    if (lobe->mapped)
         weight *= terminator(s, lobe, to_light);
     return weight * spectrum_eval(dye->emission, lambda_out) * fabsf(l.z) /
            (PI_F * fabsf(dot(to_light, s->ng)));
@@ -147,33 +176,44 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
 
 /* --- Densities ------------------------------------------------------------------------------------------- */
 
-/* The lobe's coordinates for a sub-path that arrives: how it sees `arriving`, and the frame in which it draws. A diffuse lobe's
-   value is even over the camera's directions about ng, so that is how light sub-paths draw them. */
+/* The frame in which a sub-path draws, and how it sees `arriving`. A diffuse lobe's value is even over the camera's directions about
+   ng, so that is how light sub-paths draw them. */
 static bool drawing_frame(const struct surface *s, const struct lobe *lobe, enum side side,
-                          struct vec3 arriving, struct vec3 *local, struct frame *frame)
+                          struct vec3 arriving, struct frame *frame, struct vec3 *local)
 {
-    if (side == SIDE_CAMERA) {
-        *frame = lobe->frame;
-        return camera_to_lobe(s, lobe, arriving, local);
-    }
-    bool possible = to_lobe(s, lobe, arriving, local);
-    *frame = is_diffuse(lobe) ? frame_about(s->ng) : lobe->frame;
-    if (is_diffuse(lobe))
+    if (side == SIDE_CAMERA)
+        return camera_frame(s, lobe, arriving, frame, local);
+    *frame = lobe->frame;
+    bool possible = in_frame(s, frame, arriving, local);
+    if (is_diffuse(lobe)) {
+        *frame = frame_about(s->ng);
         *local = to_local(frame, arriving);
+    }
     return possible;
+}
+
+/* Light sub-paths do not know how a camera's direction will bend the frame: this share of theirs goes anywhere above ng. */
+#define BENT_ANYWHERE 0.1f
+
+static float drawn_pdf(const struct surface *s, const struct lobe *lobe, enum side side, struct vec3 arriving,
+                       struct vec3 leaving, float lambda)
+{
+    struct vec3 a, b;
+    struct frame frame;
+    if (!drawing_frame(s, lobe, side, arriving, &frame, &a) || !in_frame(s, &frame, leaving, &b))
+        return 0;
+    return lobe->kind->pdf(lobe, side, a, b, lambda) / fabsf(dot(leaving, s->ng));
 }
 
 /* Per projected solid angle, of one lobe of finite density, without its chance. */
 static float direction_pdf(const struct surface *s, const struct lobe *lobe, enum side side,
                            struct vec3 arriving, struct vec3 leaving, float lambda)
 {
-    struct vec3 a, b;
-    struct frame frame;
-    if (!drawing_frame(s, lobe, side, arriving, &a, &frame))
-        return 0;
-    b = to_local(&frame, leaving);
-    float cosine = dot(leaving, s->ng);
-    return b.z * cosine > 0 ? lobe->kind->pdf(lobe, side, a, b, lambda) / fabsf(cosine) : 0;
+    float pdf = drawn_pdf(s, lobe, side, arriving, leaving, lambda);
+    if (side == SIDE_CAMERA || !is_bent(lobe))
+        return pdf;
+    bool reflects = dot(arriving, s->ng) * dot(leaving, s->ng) > 0;
+    return (1 - BENT_ANYWHERE) * pdf + (reflects ? BENT_ANYWHERE / PI_F : 0);
 }
 
 float surface_pdf_elastic(const struct surface *s, enum side side, struct vec3 arriving, struct vec3 leaving,
@@ -282,14 +322,20 @@ static int choose(const struct draw *d)
 
 static bool draw_direction(const struct draw *d, const struct lobe *lobe, struct vec3 *leaving)
 {
+    const struct surface *s = d->surface;
     const float u[3] = {d->u[2], d->u[3], d->u[1]};
     struct vec3 a, b;
     struct frame frame;
-    if (!drawing_frame(d->surface, lobe, d->side, d->arriving, &a, &frame) ||
-        !lobe->kind->sample(lobe, d->side, a, d->lambda, u, &b))
+    if (d->side == SIDE_LIGHT && is_bent(lobe) && d->u[1] < BENT_ANYWHERE) {
+        frame = frame_about(s->ng);
+        a = to_local(&frame, d->arriving);
+        if (!diffuse_sample(lobe, d->side, a, d->lambda, u, &b))
+            return false;
+    } else if (!drawing_frame(s, lobe, d->side, d->arriving, &frame, &a) ||
+               !lobe->kind->sample(lobe, d->side, a, d->lambda, u, &b))
         return false;
     *leaving = to_world(&frame, b);
-    return b.z * dot(*leaving, d->surface->ng) > 0;
+    return b.z * dot(*leaving, s->ng) > 0;
 }
 
 static bool crosses(const struct surface *s, struct vec3 a, struct vec3 b)
@@ -381,7 +427,7 @@ static bool draw_delta(const struct draw *d, int index, struct scatter *out)
     const struct lobe *lobe = &s->lobe[index];
     struct vec3 a;
     struct delta delta;
-    if (!to_lobe(s, lobe, d->arriving, &a) ||
+    if (!in_frame(s, &lobe->frame, d->arriving, &a) ||
         !lobe->kind->scatter(lobe, d->side, a, d->lambda, d->u[1], &delta))
         return false;
     struct vec3 leaving = to_world(&lobe->frame, delta.leaving);
