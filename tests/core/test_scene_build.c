@@ -349,8 +349,8 @@ static void each_emissive_slot_of_each_object_is_a_light(void **state)
 
 #define SEGMENTS 16
 
-/* A cylinder of SEGMENTS faces about z with smooth normals, u about the axis, v along it. */
-static void add_cylinder(struct scene *scene)
+/* A cylinder of SEGMENTS faces about z with smooth normals, u about the axis (the other way if `turn` is −1), v along it. */
+static void add_cylinder(struct scene *scene, float turn)
 {
     float positions[SEGMENTS * 6], normals[(SEGMENTS + 1) * 6], uv[(SEGMENTS + 1) * 4];
     uint32_t triangles[SEGMENTS * 6], corners[SEGMENTS * 6];
@@ -360,7 +360,7 @@ static void add_cylinder(struct scene *scene)
             uint32_t c = 2 * i + k;
             struct vec3 normal = vec3(cosf(phi), sinf(phi), 0), position = vec3(normal.x, normal.y, (float)k);
             memcpy(normals + 3 * c, &normal, sizeof normal);
-            uv[2 * c] = (float)i / SEGMENTS;
+            uv[2 * c] = turn * (float)i / SEGMENTS;
             uv[2 * c + 1] = (float)k;
             if (i < SEGMENTS)
                 memcpy(positions + 3 * c, &position, sizeof position);
@@ -392,28 +392,31 @@ static void tangents_of_smooth_meshes_follow_the_smooth_surface(void **state)
 {
     (void)state;
     static const float blue[4] = {0.5f, 0.5f, 1, 1};
-    struct scene *scene = scene_create();
-    assert_true(scene_add_image(scene, image_create("bumps", 1, 1, 4, false, blue, sizeof blue, NULL), NULL));
-    struct closure *closure = scenes_grey();
-    closure->normal_map = calloc(1, sizeof *closure->normal_map);
-    *closure->normal_map =
-        (struct texture){.image = scene_find_image(scene, "bumps"), .transform = scenes_identity};
-    closure->normal_strength = 1;
-    scenes_material(scene, "bumpy", closure);
-    add_cylinder(scene);
-    scenes_instance(scene, "thing", "quad", "bumpy", &scenes_identity, 1);
-    scenes_commit(scene);
-    for (uint64_t i = 0; i < 2000; i++) {
-        struct vec3 out = vec3(cosf((float)i), sinf((float)i), 0);
-        struct ray ray = {vec3(5 * out.x, 5 * out.y, (float)independent(3, i)), negate(out), 0, INFINITY,
-                          RAY_CAMERA};
-        struct hit hit;
-        const struct material *material;
-        assert_true(scene_intersect(scene, &ray, &hit, &material));
-        assert_true(dot(hit.tangent, vec3(-hit.ns.y, hit.ns.x, 0)) > cosf(0.01f));
-        assert_false(hit.mirrored_uv);
+    for (int turn = -1; turn < 2; turn += 2) {
+        struct scene *scene = scene_create();
+        assert_true(
+            scene_add_image(scene, image_create("bumps", 1, 1, 4, false, blue, sizeof blue, NULL), NULL));
+        struct closure *closure = scenes_grey();
+        closure->normal_map = calloc(1, sizeof *closure->normal_map);
+        *closure->normal_map =
+            (struct texture){.image = scene_find_image(scene, "bumps"), .transform = scenes_identity};
+        closure->normal_strength = 1;
+        scenes_material(scene, "bumpy", closure);
+        add_cylinder(scene, (float)turn);
+        scenes_instance(scene, "thing", "quad", "bumpy", &scenes_identity, 1);
+        scenes_commit(scene);
+        for (uint64_t i = 0; i < 2000; i++) {
+            struct vec3 out = vec3(cosf((float)i), sinf((float)i), 0);
+            struct ray ray = {vec3(5 * out.x, 5 * out.y, (float)independent(3, i)), negate(out), 0, INFINITY,
+                              RAY_CAMERA};
+            struct hit hit;
+            const struct material *material;
+            assert_true(scene_intersect(scene, &ray, &hit, &material));
+            assert_true((float)turn * dot(hit.tangent, vec3(-hit.ns.y, hit.ns.x, 0)) > cosf(0.01f));
+            assert_int_equal(hit.mirrored_uv, turn < 0);
+        }
+        scene_destroy(scene);
     }
-    scene_destroy(scene);
 }
 
 /* A material index beyond the slots takes the last slot, as in Blender. */
