@@ -16,13 +16,6 @@ static void warn(const struct scene_setup *setup, const char *object, const char
 
 /* --- Context ----------------------------------------------------------------------------------------- */
 
-static void mesh_uv(const struct hit *hit, int layer, float uv[2])
-{
-    struct vec3 at = hit_uv(hit, (uint32_t)layer);
-    uv[0] = at.x;
-    uv[1] = at.y;
-}
-
 static bool same_context(const struct material_context *a, const struct scene_setup *b)
 {
     return a->range.min == b->range.min && a->range.max == b->range.max && a->uv_rule == b->uv_rule &&
@@ -50,10 +43,8 @@ static bool set_context(struct scene *scene, const struct scene_setup *setup, st
     scene->illuminant = NULL;
     scene->default_material = NULL;
     scene->materials_dirty = scene->images_dirty = scene->lights_dirty = true;
-    scene->context = (struct material_context){.range = setup->range,
-                                               .uv_rule = setup->uv_rule,
-                                               .working_space = setup->working_space,
-                                               .mesh_uv = mesh_uv};
+    scene->context = (struct material_context){
+        .range = setup->range, .uv_rule = setup->uv_rule, .working_space = setup->working_space};
     for (int i = 0; i < 3; i++) /* Y of the primaries */
         scene->context.luminance[i] = (float)setup->working_space.rgb_to_xyz[3 + i];
     return true;
