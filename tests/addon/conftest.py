@@ -3,12 +3,13 @@ own with a time-out. A host that is not installed is skipped by name."""
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+import blenders
 
 ROOT = Path(__file__).resolve().parents[2]
 FAKE_CORE = ROOT / "tests" / "addon" / "fake_core.py"
@@ -62,23 +63,19 @@ class Host:
 
 
 def _command(name):
+    """How to run a script in Blender `name`. Raises blenders.Missing."""
     if name == "3.4":
-        blender = shutil.which("blender")
-        return blender and [
-            blender,
-            "-b",
-            "--factory-startup",
-            "--python-exit-code",
-            "3",
-            "--python",
-        ]
-    python = ROOT / "build" / "venvs" / ("bpy-" + name) / "bin" / "python"
-    return [str(python)] if python.exists() else None
+        return blenders.blender(blenders.SYSTEM).command
+    return blenders.blender(name).command[:1]  # as plain Python: how a module leaves is tested too
+
+
+def host_named(name):
+    try:
+        return Host(name, _command(name))
+    except blenders.Missing as missing:
+        pytest.skip(str(missing))
 
 
 @pytest.fixture(params=["3.4", "4.2", "4.5", "5.0"])
 def host(request):
-    command = _command(request.param)
-    if not command:
-        pytest.skip("Blender %s is not installed" % request.param)
-    return Host(request.param, command)
+    return host_named(request.param)

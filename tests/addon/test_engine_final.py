@@ -178,13 +178,10 @@ except RuntimeError as error:
 
 
 def test_a_batch_render_that_fails_ends_with_status_1_and_no_file(tmp_path):
-    from conftest import Host, _command, FAKE_CORE, ROOT
+    from conftest import FAKE_CORE, ROOT, host_named
     import os
 
-    command = _command("3.4")
-    if not command:
-        pytest.skip("Blender 3.4 is not installed")
-    told = Host("3.4", command).run(
+    told = host_named("3.4").run(
         """
 empty_scene()
 bpy.ops.wm.save_as_mainfile(filepath=os.path.join(TMP, "scene.blend"))
