@@ -39,11 +39,11 @@ def names_and_promises(resolution):
 
 RESOLUTION = (64, 48)
 VIEWS = {
-    "specular balls seen": ({"view": "front"}, ["pt_nee", "mbdpt"]),
-    "caustics on the wall": ({"view": "wall"}, ["pt_nee", "lt", "mbdpt"]),
-    "diffuse balls": ({"view": "front", "specular": False}, ["pt_nee", "lt", "mbdpt"]),
+    "specular balls seen": ({"view": "front"}, ["pt_nee", "mbdpt", "bdpt"]),
+    "caustics on the wall": ({"view": "wall"}, ["pt_nee", "lt", "mbdpt", "bdpt"]),
+    "diffuse balls": ({"view": "front", "specular": False}, ["pt_nee", "lt", "mbdpt", "bdpt"]),
 }
-SAMPLES = {"pt": 48, "pt_nee": 24, "lt": 24, "mbdpt": 12}
+SAMPLES = {"pt": 48, "pt_nee": 24, "lt": 24, "mbdpt": 12, "bdpt": 12}
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def small_lamp(core, tmp_path_factory):
     return path, core.batches(path, "pt", BATCHES, 2500, BINS, lamp_pixels)
 
 
-@pytest.mark.parametrize("integrator", ["pt_nee", "lt", "mbdpt"])
+@pytest.mark.parametrize("integrator", ["pt_nee", "lt", "mbdpt", "bdpt"])
 def test_every_pixel_sees_a_small_lamp_through_the_same_filter(core, small_lamp, integrator):
     """Splats and camera samples spread a lamp smaller than a pixel over the same pixels in the same shares."""
     path, wanted = small_lamp

@@ -6,7 +6,7 @@ import pytest
 import exr
 import scenes
 
-INTEGRATORS = ["pt", "pt_nee", "lt", "mbdpt"]
+INTEGRATORS = ["pt", "pt_nee", "lt", "mbdpt", "bdpt"]
 RESOLUTION = (40, 30)
 BINS = {"bins": (8, 380, 780)}
 

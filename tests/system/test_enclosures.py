@@ -9,7 +9,7 @@ import exact
 import scenes
 import stats
 
-INTEGRATORS = ["pt", "pt_nee", "lt", "mbdpt"]
+INTEGRATORS = ["pt", "pt_nee", "lt", "mbdpt", "bdpt"]
 # The kernel's half-width is constant: bins nearer than 2d to an end of Λ would lose energy, and no bin is. Walls reflect
 # less than half, so what paths of more than 16 edges carry is below 1e-5.
 SETTINGS = {"d0": 2, "shrink": 0, "max_path": 16, "max_camera": 16, "max_light": 16, "roulette_start": 3}
@@ -23,13 +23,13 @@ SHAPES = {
     "sphere_with_lamp": scenes.sphere_with_lamp,
 }
 # Renders, and independent batches in each: splats tie the pixels of a picture together, camera paths do not.
-BATCHES = {"pt": (4, 64), "pt_nee": (4, 64), "lt": (48, 1), "mbdpt": (48, 1)}
+BATCHES = {"pt": (4, 64), "pt_nee": (4, 64), "lt": (48, 1), "mbdpt": (48, 1), "bdpt": (48, 1)}
 # Samples per pixel (of 16 × 16) of one render: a third more than what NORMAL's promises were measured to take.
 SAMPLES = {
-    ("elastic", "d65"): {"pt": 2600, "pt_nee": 300, "lt": 820, "mbdpt": 150},
-    ("elastic", "uv"): {"pt": 100, "pt_nee": 140, "lt": 260, "mbdpt": 40},
-    ("fluorescent", "d65"): {"pt": 8000, "pt_nee": 2400, "lt": 1300, "mbdpt": 150},
-    ("fluorescent", "uv"): {"pt": 16000, "pt_nee": 10500, "lt": 400, "mbdpt": 200},
+    ("elastic", "d65"): {"pt": 2600, "pt_nee": 300, "lt": 750, "mbdpt": 145, "bdpt": 90},
+    ("elastic", "uv"): {"pt": 100, "pt_nee": 140, "lt": 270, "mbdpt": 60, "bdpt": 15},
+    ("fluorescent", "d65"): {"pt": 8000, "pt_nee": 2400, "lt": 750, "mbdpt": 145, "bdpt": 90},
+    ("fluorescent", "uv"): {"pt": 16000, "pt_nee": 10500, "lt": 290, "mbdpt": 145, "bdpt": 60},
 }
 LAMP_SAMPLES = 7500  # for the lamp in the sphere's middle
 
@@ -72,6 +72,7 @@ PLACES = {
     "pt_nee": (("furnace", "d65"), ("sphere_with_patch", "uv")),
     "lt": (("furnace", "d65"), ("sphere_with_patch", "uv")),
     "mbdpt": (("furnace", "d65"), ("sphere_with_patch", "uv")),
+    "bdpt": (("furnace", "d65"), ("sphere_with_patch", "uv")),
 }
 CASES = [
     (shape, material, light, integrator)
