@@ -1,6 +1,6 @@
 /* A surface at a hit: values, densities and draws in both directions of transport (material.h states the measures).
-   Every density is label × lobe × direction; all of them come from the one function `chances`. */
-#include "material/lobe.h"
+   Every density is label × lobe × direction; all of them come from the one function `surface_chances`. */
+#include "material/surface.h"
 
 /* Share of a lobe's chance that does not depend on its colour at this wavelength: what another wavelength of the run can do must
    have a positive chance at this one's (exact.md §4.1). */
@@ -11,7 +11,7 @@
 /* --- Geometry -------------------------------------------------------------------------------------------- */
 
 /* The direction in a lobe's frame. False on the horizon, or where geometric and shading sides disagree. */
-static bool in_frame(const struct surface *s, const struct frame *frame, struct vec3 w, struct vec3 *local)
+bool surface_in_frame(const struct surface *s, const struct frame *frame, struct vec3 w, struct vec3 *local)
 {
     *local = to_local(frame, w);
     return local->z * dot(w, s->ng) > 0;
@@ -23,7 +23,7 @@ static bool is_diffuse(const struct lobe *lobe)
 }
 
 /* A lobe whose frame bends: rough reflection under a normal map. */
-static bool is_bent(const struct lobe *lobe)
+bool lobe_is_bent(const struct lobe *lobe)
 {
     return lobe->mapped && lobe->kind->nature == LOBE_FINITE && lobe->kind->reflectance;
 }
@@ -56,14 +56,14 @@ static struct frame frame_toward(const struct surface *s, const struct lobe *lob
 static bool camera_frame(const struct surface *s, const struct lobe *lobe, struct vec3 to_camera,
                          struct frame *frame, struct vec3 *local)
 {
-    *frame = is_bent(lobe) ? frame_toward(s, lobe, to_camera) : lobe->frame;
-    if (in_frame(s, frame, to_camera, local))
+    *frame = lobe_is_bent(lobe) ? frame_toward(s, lobe, to_camera) : lobe->frame;
+    if (surface_in_frame(s, frame, to_camera, local))
         return true;
     local->z = copysignf(CAMERA_MIN_COSINE, dot(to_camera, s->ng));
     return is_diffuse(lobe) && dot(to_camera, s->ng) != 0;
 }
 
-static float view_weight(const struct surface *s, const struct lobe *lobe, struct vec3 direction)
+float surface_view_weight(const struct surface *s, const struct lobe *lobe, struct vec3 direction)
 {
     float weight = 1;
     for (uint32_t i = 0; i < lobe->view_count; i++)
@@ -79,17 +79,12 @@ static float terminator(const struct surface *s, const struct lobe *lobe, struct
     return g >= 1 ? 1 : g > 0 ? g * (1 + g - g * g) : 0;
 }
 
-static const struct fluorophore *fluorophore_of(const struct lobe *lobe)
-{
-    return lobe->data;
-}
-
 /* --- Chances (algorithm.md §4) ----------------------------------------------------------------------------- */
 
 /* What a fluorescent lobe sends on, of what arrives with this wavelength: c e(λo) A from the camera, c ã(λi) from the light. */
 static float fluorescent_strength(const struct lobe *lobe, enum side side, float lambda)
 {
-    const struct fluorophore *f = fluorophore_of(lobe);
+    const struct fluorophore *f = lobe_fluorophore(lobe);
     return side == SIDE_CAMERA ? spectrum_eval(f->emission, lambda) * (float)f->strength
                                : spectrum_eval(f->reradiation, lambda);
 }
@@ -109,8 +104,8 @@ static void split(const struct surface *s, float chance[], float fluorescent, fl
 }
 
 /* The chance of each lobe for a sub-path from `side` that came in from `arriving`. They sum to 1, if there are lobes. */
-static void chances(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
-                    float chance[])
+void surface_chances(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
+                     float chance[])
 {
     float fluorescent = 0, elastic = 0, soft = 0;
     if (s->lobe_count == 1) {
@@ -119,7 +114,7 @@ static void chances(const struct surface *s, enum side side, struct vec3 arrivin
     }
     for (int i = 0; i < s->lobe_count; i++) {
         const struct lobe *lobe = &s->lobe[i];
-        float view = view_weight(s, lobe, arriving), floored = lobe->weight * fmaxf(view, VIEW_FLOOR);
+        float view = surface_view_weight(s, lobe, arriving), floored = lobe->weight * fmaxf(view, VIEW_FLOOR);
         if (lobe->kind->nature == LOBE_FLUORESCENT) {
             chance[i] = floored * fluorescent_strength(lobe, side, lambda);
             fluorescent += chance[i];
@@ -146,9 +141,9 @@ float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3
         struct vec3 l, c;
         struct frame frame;
         if (lobe->kind->nature != LOBE_FINITE || !camera_frame(s, lobe, to_camera, &frame, &c) ||
-            !in_frame(s, &frame, to_light, &l))
+            !surface_in_frame(s, &frame, to_light, &l))
             continue;
-        float weight = lobe->weight * view_weight(s, lobe, to_camera);
+        float weight = lobe->weight * surface_view_weight(s, lobe, to_camera);
         if (lobe->mapped && is_diffuse(lobe))
             weight *= terminator(s, lobe, to_light);
         if (weight > 0)
@@ -161,13 +156,14 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
                           float lambda_in, float lambda_out)
 {
     const struct lobe *lobe = &s->lobe[s->fluorescent[f]];
-    const struct fluorophore *dye = fluorophore_of(lobe);
+    const struct fluorophore *dye = lobe_fluorophore(lobe);
     struct vec3 l, c;
     struct frame frame;
-    if (!camera_frame(s, lobe, to_camera, &frame, &c) || !in_frame(s, &frame, to_light, &l) || l.z * c.z < 0)
+    if (!camera_frame(s, lobe, to_camera, &frame, &c) || !surface_in_frame(s, &frame, to_light, &l) ||
+        l.z * c.z < 0)
         return 0;
     float weight =
-        lobe->weight * view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
+        lobe->weight * surface_view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
     if (lobe->mapped)
         weight *= terminator(s, lobe, to_light);
     return weight * spectrum_eval(dye->emission, lambda_out) * fabsf(l.z) /
@@ -178,13 +174,13 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
 
 /* The frame in which a sub-path draws, and how it sees `arriving`. A diffuse lobe's value is even over the camera's directions about
    ng, so that is how light sub-paths draw them. */
-static bool drawing_frame(const struct surface *s, const struct lobe *lobe, enum side side,
-                          struct vec3 arriving, struct frame *frame, struct vec3 *local)
+bool surface_drawing_frame(const struct surface *s, const struct lobe *lobe, enum side side,
+                           struct vec3 arriving, struct frame *frame, struct vec3 *local)
 {
     if (side == SIDE_CAMERA)
         return camera_frame(s, lobe, arriving, frame, local);
     *frame = lobe->frame;
-    bool possible = in_frame(s, frame, arriving, local);
+    bool possible = surface_in_frame(s, frame, arriving, local);
     if (is_diffuse(lobe)) {
         *frame = frame_about(s->ng);
         *local = to_local(frame, arriving);
@@ -192,15 +188,13 @@ static bool drawing_frame(const struct surface *s, const struct lobe *lobe, enum
     return possible;
 }
 
-/* Light sub-paths do not know how a camera's direction will bend the frame: this share of theirs goes anywhere above ng. */
-#define BENT_ANYWHERE 0.1f
-
 static float drawn_pdf(const struct surface *s, const struct lobe *lobe, enum side side, struct vec3 arriving,
                        struct vec3 leaving, float lambda)
 {
     struct vec3 a, b;
     struct frame frame;
-    if (!drawing_frame(s, lobe, side, arriving, &frame, &a) || !in_frame(s, &frame, leaving, &b))
+    if (!surface_drawing_frame(s, lobe, side, arriving, &frame, &a) ||
+        !surface_in_frame(s, &frame, leaving, &b))
         return 0;
     return lobe->kind->pdf(lobe, side, a, b, lambda) / fabsf(dot(leaving, s->ng));
 }
@@ -210,7 +204,7 @@ static float direction_pdf(const struct surface *s, const struct lobe *lobe, enu
                            struct vec3 arriving, struct vec3 leaving, float lambda)
 {
     float pdf = drawn_pdf(s, lobe, side, arriving, leaving, lambda);
-    if (side == SIDE_CAMERA || !is_bent(lobe))
+    if (side == SIDE_CAMERA || !lobe_is_bent(lobe))
         return pdf;
     bool reflects = dot(arriving, s->ng) * dot(leaving, s->ng) > 0;
     return (1 - BENT_ANYWHERE) * pdf + (reflects ? BENT_ANYWHERE / PI_F : 0);
@@ -222,7 +216,7 @@ float surface_pdf_elastic(const struct surface *s, enum side side, struct vec3 a
     float chance[SURFACE_LOBES], sum = 0;
     if (!s->has_elastic)
         return 0;
-    chances(s, side, arriving, lambda, chance);
+    surface_chances(s, side, arriving, lambda, chance);
     for (int i = 0; i < s->lobe_count; i++)
         if (s->lobe[i].kind->nature == LOBE_FINITE)
             sum += chance[i] * direction_pdf(s, &s->lobe[i], side, arriving, leaving, lambda);
@@ -235,8 +229,8 @@ float surface_pdf_fluorescent(const struct surface *s, enum side side, int f, st
     float chance[SURFACE_LOBES];
     int index = s->fluorescent[f];
     const struct lobe *lobe = &s->lobe[index];
-    const struct fluorophore *dye = fluorophore_of(lobe);
-    chances(s, side, arriving, lambda_arriving, chance);
+    const struct fluorophore *dye = lobe_fluorophore(lobe);
+    surface_chances(s, side, arriving, lambda_arriving, chance);
     float pdf =
         chance[index] * spectrum_pdf(side == SIDE_CAMERA ? dye->reradiation : dye->emission, lambda_leaving);
     return pdf > 0 ? pdf * direction_pdf(s, lobe, side, arriving, leaving, lambda_arriving) : 0;
@@ -271,7 +265,8 @@ static float mollified_ratio(const struct surface *s, struct vec3 arriving, floa
         const struct lobe *lobe = &s->lobe[i];
         if (lobe->kind->nature != LOBE_FINITE)
             continue;
-        float weight = lobe->weight * view_weight(s, lobe, arriving), z = dot(arriving, lobe->frame.n);
+        float weight = lobe->weight * surface_view_weight(s, lobe, arriving),
+              z = dot(arriving, lobe->frame.n);
         if (!lobe->kind->albedo_integral || !lobe->kind->albedo_integral(lobe, z, a, b, &part))
             part = albedo_quadrature(lobe, z, a, b);
         integral += weight * part;
@@ -292,60 +287,11 @@ float surface_pdf_mollified(const struct surface *s, enum side side, struct vec3
     return pdf * mollified_ratio(s, arriving, lambda_arriving, lambda_leaving, half_width_nm);
 }
 
-/* --- Draws ----------------------------------------------------------------------------------------------- */
-
-/* What a draw knows: the sub-path's state, and the chances there. */
-struct draw {
-    const struct surface *surface;
-    enum side side, other;
-    struct vec3 arriving;
-    float lambda;
-    const float *u;
-    float chance[SURFACE_LOBES];
-};
-
-/* The lobe that u falls on; −1 without lobes. */
-static int choose(const struct draw *d)
-{
-    float u = d->u[0];
-    int last = -1;
-    for (int i = 0; i < d->surface->lobe_count; i++) {
-        if (!(d->chance[i] > 0))
-            continue;
-        last = i;
-        if (u < d->chance[i])
-            return i;
-        u -= d->chance[i];
-    }
-    return last; /* rounding left u a hair above the sum */
-}
-
-static bool draw_direction(const struct draw *d, const struct lobe *lobe, struct vec3 *leaving)
-{
-    const struct surface *s = d->surface;
-    const float u[3] = {d->u[2], d->u[3], d->u[1]};
-    struct vec3 a, b;
-    struct frame frame;
-    if (d->side == SIDE_LIGHT && is_bent(lobe) && d->u[1] < BENT_ANYWHERE) {
-        frame = frame_about(s->ng);
-        a = to_local(&frame, d->arriving);
-        if (!diffuse_sample(lobe, d->side, a, d->lambda, u, &b))
-            return false;
-    } else if (!drawing_frame(s, lobe, d->side, d->arriving, &frame, &a) ||
-               !lobe->kind->sample(lobe, d->side, a, d->lambda, u, &b))
-        return false;
-    *leaving = to_world(&frame, b);
-    return b.z * dot(*leaving, s->ng) > 0;
-}
-
-static bool crosses(const struct surface *s, struct vec3 a, struct vec3 b)
-{
-    return dot(a, s->ng) * dot(b, s->ng) < 0;
-}
+/* --- What a crossing or a reflection is ---------------------------------------------------------------------- */
 
 bool surface_elastic_disperses(const struct surface *s, struct vec3 a, struct vec3 b)
 {
-    if (!crosses(s, a, b))
+    if (!surface_crosses(s, a, b))
         return false;
     for (int i = 0; i < s->lobe_count; i++)
         if (s->lobe[i].kind->nature == LOBE_FINITE && s->lobe[i].kind->disperses &&
@@ -356,7 +302,7 @@ bool surface_elastic_disperses(const struct surface *s, struct vec3 a, struct ve
 
 enum scatter_class surface_elastic_class(const struct surface *s, struct vec3 a, struct vec3 b)
 {
-    if (crosses(s, a, b))
+    if (surface_crosses(s, a, b))
         return SCATTER_TRANSMISSION;
     for (int i = 0; i < s->lobe_count; i++)
         if (s->lobe[i].kind->nature == LOBE_FINITE && s->lobe[i].kind->reflects_as == SCATTER_DIFFUSE)
@@ -364,187 +310,19 @@ enum scatter_class surface_elastic_class(const struct surface *s, struct vec3 a,
     return SCATTER_GLOSSY;
 }
 
-static bool draw_elastic(const struct draw *d, const struct lobe *lobe, struct scatter *out)
-{
-    const struct surface *s = d->surface;
-    struct vec3 leaving;
-    if (!draw_direction(d, lobe, &leaving))
-        return false;
-    bool camera = d->side == SIDE_CAMERA;
-    *out = (struct scatter){
-        .label = LABEL_ELASTIC,
-        .direction = leaving,
-        .lambda = d->lambda,
-        .value =
-            surface_elastic(s, camera ? leaving : d->arriving, camera ? d->arriving : leaving, d->lambda),
-        .pdf = surface_pdf_elastic(s, d->side, d->arriving, leaving, d->lambda),
-        .pdf_other = surface_pdf_elastic(s, d->other, leaving, d->arriving, d->lambda),
-        .refracts = crosses(s, d->arriving, leaving) && lobe->kind->disperses,
-        .disperses = surface_elastic_disperses(s, d->arriving, leaving),
-        .depth_class = surface_elastic_class(s, d->arriving, leaving),
-    };
-    return true;
-}
-
-static int index_among(const uint8_t list[], int lobe)
-{
-    int i = 0;
-    while (list[i] != lobe)
-        i++;
-    return i;
-}
-
-static bool draw_fluorescent(const struct draw *d, int index, struct scatter *out)
-{
-    const struct surface *s = d->surface;
-    const struct lobe *lobe = &s->lobe[index];
-    const struct fluorophore *dye = fluorophore_of(lobe);
-    bool camera = d->side == SIDE_CAMERA;
-    int f = index_among(s->fluorescent, index);
-    struct vec3 leaving;
-    float pdf, lambda = spectrum_sample(camera ? dye->reradiation : dye->emission, d->u[1], &pdf);
-    if (!draw_direction(d, lobe, &leaving))
-        return false;
-    *out = (struct scatter){
-        .label = LABEL_FLUORESCENT,
-        .lobe = f,
-        .direction = leaving,
-        .lambda = lambda,
-        .value = camera ? surface_fluorescent(s, f, leaving, d->arriving, lambda, d->lambda)
-                        : surface_fluorescent(s, f, d->arriving, leaving, d->lambda, lambda),
-        .pdf = surface_pdf_fluorescent(s, d->side, f, d->arriving, leaving, d->lambda, lambda),
-        .pdf_other = surface_pdf_fluorescent(s, d->other, f, leaving, d->arriving, lambda, d->lambda),
-        .depth_class = SCATTER_DIFFUSE,
-    };
-    return true;
-}
-
-/* Value and both densities share the δ in projected solid angle of the *light's* direction. For that the light's density, which is
-   drawn in the camera's, takes n² and the ratio of shading to geometric cosines (exact.md §1). */
-static bool draw_delta(const struct draw *d, int index, struct scatter *out)
-{
-    const struct surface *s = d->surface;
-    const struct lobe *lobe = &s->lobe[index];
-    struct vec3 a;
-    struct delta delta;
-    if (!in_frame(s, &lobe->frame, d->arriving, &a) ||
-        !lobe->kind->scatter(lobe, d->side, a, d->lambda, d->u[1], &delta))
-        return false;
-    struct vec3 leaving = to_world(&lobe->frame, delta.leaving);
-    float leaving_g = dot(leaving, s->ng), arriving_g = dot(d->arriving, s->ng);
-    if (!(delta.leaving.z * leaving_g > 0))
-        return false;
-    bool camera = d->side == SIDE_CAMERA;
-    float factor = fabsf(leaving_g * a.z / (delta.leaving.z * arriving_g)); /* seen from the camera */
-    float measure = delta.n_squared * (camera ? factor : 1 / factor);
-    float back[SURFACE_LOBES];
-    chances(s, d->other, leaving, d->lambda, back);
-    float here = d->chance[index] * delta.probability, there = back[index] * delta.probability;
-    *out = (struct scatter){
-        .label = LABEL_SPECULAR,
-        .lobe = index_among(s->specular, index),
-        .direction = leaving,
-        .lambda = d->lambda,
-        .value = lobe->weight * view_weight(s, lobe, camera ? d->arriving : leaving) * delta.coefficient *
-                 delta.n_squared,
-        .pdf = camera ? here : here * measure,
-        .pdf_other = camera ? there * measure : there,
-        .refracts = delta.refracts,
-        .disperses = delta.disperses,
-        .depth_class = delta.depth_class,
-    };
-    return true;
-}
-
-bool surface_sample(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
-                    const float u[4], struct scatter *out)
-{
-    struct draw d = {.surface = s,
-                     .side = side,
-                     .other = side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA,
-                     .arriving = arriving,
-                     .lambda = lambda,
-                     .u = u};
-    chances(s, side, arriving, lambda, d.chance);
-    int index = choose(&d);
-    if (index < 0)
-        return false;
-    bool drawn = false;
-    switch (s->lobe[index].kind->nature) {
-    case LOBE_FINITE: drawn = draw_elastic(&d, &s->lobe[index], out); break;
-    case LOBE_FLUORESCENT: drawn = draw_fluorescent(&d, index, out); break;
-    case LOBE_DELTA: drawn = draw_delta(&d, index, out); break;
-    }
-    return drawn && out->pdf > 0;
-}
-
-/* --- The same step at another wavelength --------------------------------------------------------------------- */
-
-/* The branch of a δ lobe that leaves to a known side: its scatter takes the first branch for u = 0 and the last for u → 1. */
-static bool delta_again(const struct surface *s, enum side side, int index, struct vec3 arriving,
-                        struct vec3 leaving, float lambda, struct scatter *out)
-{
-    static const float branch[2] = {0, 1 - 0x1p-24f};
-    for (int i = 0; i < 2; i++) {
-        const float u[4] = {0, branch[i], 0, 0};
-        struct draw d = {.surface = s,
-                         .side = side,
-                         .other = side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA,
-                         .arriving = arriving,
-                         .lambda = lambda,
-                         .u = u};
-        chances(s, side, arriving, lambda, d.chance);
-        if (draw_delta(&d, index, out) && dot(out->direction, s->ng) * dot(leaving, s->ng) > 0)
-            return true;
-    }
-    return false;
-}
-
-bool surface_step_again(const struct surface *s, enum side side, enum label label, int which,
-                        struct vec3 arriving, struct vec3 leaving, float lambda_arriving,
-                        float lambda_leaving, struct surface_step *out)
-{
-    enum side other = side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA;
-    bool camera = side == SIDE_CAMERA;
-    struct vec3 to_light = camera ? leaving : arriving, to_camera = camera ? arriving : leaving;
-    struct scatter delta;
-    switch (label) {
-    case LABEL_ELASTIC:
-        out->value = surface_elastic(s, to_light, to_camera, lambda_arriving);
-        out->pdf = surface_pdf_elastic(s, side, arriving, leaving, lambda_arriving);
-        out->pdf_other = surface_pdf_elastic(s, other, leaving, arriving, lambda_arriving);
-        return true;
-    case LABEL_FLUORESCENT:
-        out->value =
-            surface_fluorescent(s, which, to_light, to_camera, camera ? lambda_leaving : lambda_arriving,
-                                camera ? lambda_arriving : lambda_leaving);
-        out->pdf =
-            surface_pdf_fluorescent(s, side, which, arriving, leaving, lambda_arriving, lambda_leaving);
-        out->pdf_other =
-            surface_pdf_fluorescent(s, other, which, leaving, arriving, lambda_leaving, lambda_arriving);
-        return true;
-    case LABEL_SPECULAR:
-        if (!delta_again(s, side, s->specular[which], arriving, leaving, lambda_arriving, &delta))
-            return false;
-        *out = (struct surface_step){delta.value, delta.pdf, delta.pdf_other};
-        return true;
-    }
-    return false;
-}
-
 /* --- Fluorophores ---------------------------------------------------------------------------------------- */
 
 const struct spectrum *surface_fluorescent_emission(const struct surface *s, int f)
 {
-    return fluorophore_of(&s->lobe[s->fluorescent[f]])->emission;
+    return lobe_fluorophore(&s->lobe[s->fluorescent[f]])->emission;
 }
 
 const struct spectrum *surface_fluorescent_absorption(const struct surface *s, int f)
 {
-    return fluorophore_of(&s->lobe[s->fluorescent[f]])->reradiation;
+    return lobe_fluorophore(&s->lobe[s->fluorescent[f]])->reradiation;
 }
 
 int surface_fluorophore(const struct surface *s, int f)
 {
-    return fluorophore_of(&s->lobe[s->fluorescent[f]])->index;
+    return lobe_fluorophore(&s->lobe[s->fluorescent[f]])->index;
 }

@@ -1,0 +1,36 @@
+/* What evaluation (surface.c) and drawing (draw.c) of surfaces share. */
+#ifndef MATERIAL_SURFACE_H
+#define MATERIAL_SURFACE_H
+
+#include "material/lobe.h"
+
+/* Light sub-paths do not know how a camera's direction will bend a mapped frame: this share of theirs goes anywhere above ng. */
+#define BENT_ANYWHERE 0.1f
+
+static inline const struct fluorophore *lobe_fluorophore(const struct lobe *lobe)
+{
+    return lobe->data;
+}
+
+static inline bool surface_crosses(const struct surface *s, struct vec3 a, struct vec3 b)
+{
+    return dot(a, s->ng) * dot(b, s->ng) < 0;
+}
+
+/* A lobe whose frame bends toward the camera: rough reflection under a normal map. */
+bool lobe_is_bent(const struct lobe *);
+
+/* The direction in a frame. False on the horizon, or where geometric and shading sides disagree. */
+bool surface_in_frame(const struct surface *, const struct frame *, struct vec3 w, struct vec3 *local);
+
+/* The frame in which a sub-path draws, and how it sees `arriving`. */
+bool surface_drawing_frame(const struct surface *, const struct lobe *, enum side, struct vec3 arriving,
+                           struct frame *, struct vec3 *local);
+
+/* Product of the mix factors that depend on the view, toward a direction. */
+float surface_view_weight(const struct surface *, const struct lobe *, struct vec3 direction);
+
+/* The chance of each lobe for a sub-path from `side` that came in from `arriving`. They sum to 1, if there are lobes. */
+void surface_chances(const struct surface *, enum side, struct vec3 arriving, float lambda, float chance[]);
+
+#endif
