@@ -61,7 +61,7 @@ $(BUILD)/%.o: %.cpp
 $(BUILD)/tests/test_%: $(BUILD)/tests/core/test_%.o $(TEST_AIDS) $(BUILD)/libstokes.a
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS.$(VARIANT)) -o $@ $^ -lcmocka $(LIBS)
--include $(OBJECTS:.o=.d) $(CLI:.o=.d) $(TESTS:$(BUILD)/tests/%=$(BUILD)/tests/core/%.d)
+-include $(OBJECTS:.o=.d) $(CLI:.o=.d) $(TEST_AIDS:.o=.d) $(TESTS:$(BUILD)/tests/%=$(BUILD)/tests/core/%.d)
 
 demo: core ## render the fluorescent spheres through headless Blender into build/demo
 	$(BLENDER) -b --factory-startup --python-exit-code 1 --python test_scenes/spheres.py -- \

@@ -54,10 +54,11 @@ static double mollified_value(const struct integrator *it, struct joint *joint, 
     return joint_value(it, joint, &y, elastic, &x, elastic, *lambda_edge) / (2 * (double)d);
 }
 
-static int source_of(const struct wavelengths *table, const struct vertex *y, int lobe)
+static int source_of(const struct integrator *it, const struct vertex *y, int lobe)
 {
-    return y->kind == VERTEX_LIGHT ? y->light.light
-                                   : wavelengths_source_dye(table, surface_fluorophore(&y->surface, lobe));
+    return y->kind == VERTEX_LIGHT
+               ? scene_light_shape(it->scene, y->light.light)
+               : wavelengths_source_dye(&it->wavelengths, surface_fluorophore(&y->surface, lobe));
 }
 
 static int sink_of(const struct wavelengths *table, const struct vertex *x, int lobe)
@@ -77,8 +78,8 @@ static double labelled_value(const struct integrator *it, const struct worker *w
         return pair_value(it, joint, as_y, as_x, *lambda_edge);
     }
     const struct wavelengths *table = &it->wavelengths;
-    const struct spectral_histogram *product = wavelengths_product(
-        table, source_of(table, joint->y, as_y.lobe), sink_of(table, joint->x, as_x.lobe));
+    const struct spectral_histogram *product =
+        wavelengths_product(table, source_of(it, joint->y, as_y.lobe), sink_of(table, joint->x, as_x.lobe));
     if (!product)
         return 0;
     uint32_t dimension = DIM_CONNECT + (uint32_t)((joint->s * PATH_VERTICES + joint->t) * PAIRS_MAX + pair);

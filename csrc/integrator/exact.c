@@ -52,7 +52,7 @@ static int source_of(const struct integrator *it, const struct subpath *light, c
     const struct vertex *v = &light->vertex[g->start];
     int lobe = g->as.label == LABEL_FLUORESCENT ? g->as.lobe : v->lobe;
     return v->kind == VERTEX_LIGHT
-               ? v->light.light
+               ? scene_light_shape(it->scene, v->light.light)
                : wavelengths_source_dye(&it->wavelengths, surface_fluorophore(&v->surface, lobe));
 }
 

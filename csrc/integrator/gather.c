@@ -31,7 +31,7 @@ static bool relight_sighting(const struct integrator *it, const struct worker *w
     int sink = taker->kind == VERTEX_CAMERA ? wavelengths_sink_camera(&it->wavelengths)
                                             : surface_fluorophore(&taker->surface, taker->lobe);
     const struct spectral_histogram *product =
-        wavelengths_product(&it->wavelengths, seen->light->light, sink);
+        wavelengths_product(&it->wavelengths, scene_light_shape(it->scene, seen->light->light), sink);
     float pdf;
     if (!product)
         return false;

@@ -46,7 +46,8 @@ static double product_density(const struct integrator *it, const struct full_pat
 
 static int source_at(const struct integrator *it, const struct full_path *path, int y)
 {
-    return y == 0 ? path->light->light : wavelengths_source_dye(&it->wavelengths, path->step[y].dye);
+    return y == 0 ? scene_light_shape(it->scene, path->light->light)
+                  : wavelengths_source_dye(&it->wavelengths, path->step[y].dye);
 }
 
 /* What F vertex y's light-side step had as density of its wavelength, that of edge y + 1. */
@@ -107,7 +108,7 @@ static double exact_wavelength(const struct integrator *it, const struct full_pa
         if (x.disperses || (x.start > 1 && path->step[1].disperses))
             return 1;
         double drawn = absorbed_density(it, path, x.start);
-        return drawn > 0 ? product_density(it, path, path->light->light, x.start, 1) / drawn : 0;
+        return drawn > 0 ? product_density(it, path, source_at(it, path, 0), x.start, 1) / drawn : 0;
     }
     double drawn_by_light = y.start < c - 1 ? emitted_density(it, path, y.start) : 1;
     double drawn_by_camera = x.start > c ? absorbed_density(it, path, x.start) : 1;

@@ -70,13 +70,17 @@ static const struct spectrum *source_spectrum(const struct wavelengths *w, const
 {
     if (source == wavelengths_source_lamps(w))
         return scene_lamp_spectrum(scene);
-    return source < w->lights ? scene_light_spectrum(scene, source)
-                              : scene_fluorophore_emission(scene, source - w->lights);
+    if (source >= w->shapes)
+        return scene_fluorophore_emission(scene, source - w->shapes);
+    int light = 0;
+    while (scene_light_shape(scene, light) != source)
+        light++;
+    return scene_light_spectrum(scene, light);
 }
 
 static void fill_products(struct wavelengths *w, const struct scene *scene)
 {
-    int sinks = w->fluorophores + 1, sources = w->lights ? w->lights + w->fluorophores + 1 : 0;
+    int sinks = w->fluorophores + 1, sources = w->shapes ? w->shapes + w->fluorophores + 1 : 0;
     bool pairs = (size_t)sinks * (size_t)sources <= product_pairs_max;
     for (int sink = 0; sink < sinks; sink++) {
         const struct spectrum *taken =
@@ -95,13 +99,13 @@ bool wavelengths_create(struct wavelengths *w, const struct integrator_settings 
                         const struct scene *scene, stokes_error *err)
 {
     struct range range = {settings->lambda_min, settings->lambda_max};
-    *w = (struct wavelengths){.lights = scene_light_count(scene),
+    *w = (struct wavelengths){.shapes = scene_light_shape_count(scene),
                               .fluorophores = scene_fluorophore_count(scene)};
     w->camera = visible_importance(range, scene_lamp_spectrum(scene));
     if (w->camera && settings->spectral_bins > 0)
         w->camera = binned_importance(range, settings->bins_min, settings->bins_max, w->camera);
     w->product =
-        calloc((size_t)(w->lights + w->fluorophores + 1) * (size_t)(w->fluorophores + 1), sizeof *w->product);
+        calloc((size_t)(w->shapes + w->fluorophores + 1) * (size_t)(w->fluorophores + 1), sizeof *w->product);
     if (!w->camera || !w->product || !(spectrum_integral(w->camera) > 0)) {
         wavelengths_destroy(w);
         return fail(err, "settings", "lambda_min, lambda_max",
@@ -115,7 +119,7 @@ bool wavelengths_create(struct wavelengths *w, const struct integrator_settings 
 void wavelengths_destroy(struct wavelengths *w)
 {
     size_t sinks = (size_t)w->fluorophores + 1,
-           sources = w->lights ? (size_t)(w->lights + w->fluorophores) + 1 : 0;
+           sources = w->shapes ? (size_t)(w->shapes + w->fluorophores) + 1 : 0;
     bool pairs = sinks * sources <= product_pairs_max;
     if (w->product)
         for (size_t i = 0; i < (pairs ? sinks * sources : sources ? sinks : 0); i++)

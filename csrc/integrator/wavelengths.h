@@ -8,9 +8,9 @@
 struct integrator_settings;
 
 struct wavelengths {
-    struct spectrum *camera; /* p_cam, not normalised */
-    int lights, fluorophores;
-    struct spectral_histogram **product; /* (lights + fluorophores + 1) × (fluorophores + 1) */
+    struct spectrum *camera;             /* p_cam, not normalised */
+    int shapes, fluorophores;            /* spectral shapes of lights; many lights share one */
+    struct spectral_histogram **product; /* (shapes + fluorophores + 1) × (fluorophores + 1) */
 };
 
 bool wavelengths_create(struct wavelengths *, const struct integrator_settings *, const struct scene *,
@@ -20,7 +20,7 @@ void wavelengths_destroy(struct wavelengths *);
 /* Emitters into a run and takers from it, by index into the table: lights are sources, and dyes are sinks, by their own index. */
 static inline int wavelengths_source_dye(const struct wavelengths *w, int dye)
 {
-    return w->lights + dye;
+    return w->shapes + dye;
 }
 static inline int wavelengths_sink_camera(const struct wavelengths *w)
 {
@@ -30,7 +30,7 @@ static inline int wavelengths_sink_camera(const struct wavelengths *w)
 /* All lights together, by their power-weighted sum: for light points that are drawn after the wavelength. */
 static inline int wavelengths_source_lamps(const struct wavelengths *w)
 {
-    return w->lights + w->fluorophores;
+    return w->shapes + w->fluorophores;
 }
 
 /* NULL where source and sink have no wavelength in common. */

@@ -181,7 +181,8 @@ def test_a_batch_render_that_fails_ends_with_status_1_and_no_file(tmp_path):
     from conftest import FAKE_CORE, ROOT, host_named
     import os
 
-    told = host_named("3.4").run(
+    blender = host_named("3.4")
+    told = blender.run(
         """
 empty_scene()
 bpy.ops.wm.save_as_mainfile(filepath=os.path.join(TMP, "scene.blend"))
@@ -197,7 +198,7 @@ tell("saved")
     for fault, status in (("", 0), ("die-at=render", 1)):
         done = subprocess.run(
             [
-                command[0],
+                blender.command[0],
                 "-b",
                 str(tmp_path / "scene.blend"),
                 "--python",
