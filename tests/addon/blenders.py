@@ -136,19 +136,22 @@ def _pythons(version):
 
 
 def _launch(script, arguments):
-    """Runs the script as Blender's --python does, then unregisters the engines it left behind: a registered engine
-    makes bpy 4.2 crash and 4.5 hang at exit."""
+    """Runs the script as Blender's --python does. What it registers with atexit comes before what is registered here."""
+    import atexit
     import runpy
 
     import bpy
 
+    atexit.register(_unregister_engines, bpy)
     sys.argv = [script, *arguments]
-    try:
-        runpy.run_path(script, run_name="__main__")
-    finally:
-        for engine in bpy.types.RenderEngine.__subclasses__():
-            if getattr(engine, "bl_idname", None) not in BLENDERS_OWN and engine.is_registered:
-                bpy.utils.unregister_class(engine)
+    runpy.run_path(script, run_name="__main__")
+
+
+def _unregister_engines(bpy):
+    """A registered engine makes bpy 4.2 crash and 4.5 hang at exit."""
+    for engine in bpy.types.RenderEngine.__subclasses__():
+        if getattr(engine, "bl_idname", None) not in BLENDERS_OWN and engine.is_registered:
+            bpy.utils.unregister_class(engine)
 
 
 if __name__ == "__main__":
