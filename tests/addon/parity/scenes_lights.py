@@ -3,7 +3,7 @@
 from stage import camera, diffuse, emission, light, link, plane, scene, still_life
 
 
-@scene(samples=(64, 768), run="always")
+@scene(samples=(64, 1152), run="always")
 def default_cube():
     """The file that Blender starts with: a Principled cube, a point light and a grey world."""
 
