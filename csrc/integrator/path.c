@@ -61,6 +61,9 @@ static bool fly(const struct integrator *it, struct worker *w, enum side side, s
         f->passed = true;
         if (pass + 1 == PASSES_MAX)
             return false;
+        /* The camera's clipping distances are from the camera. */
+        f->ray.near = 0;
+        f->ray.far -= length(sub(next->hit.position, f->ray.origin));
         f->ray.origin = scene_offset(&next->hit, f->ray.direction);
     }
     material_shade(material, &next->hit, negate(f->ray.direction), &next->surface);

@@ -159,6 +159,8 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
     for (int i = 0; i < m->lobe_count; i++) {
         const struct lobe_plan *plan = &m->lobe[i];
         struct lobe *lobe = &s->lobe[s->lobe_count];
+        if (plan->is_transparent) /* passed by the path code, by material_transmittance */
+            continue;
         lobe->weight = weight_of(&plan->factors, &factors, lobe->view, LOBE_VIEW_FACTORS, &lobe->view_count);
         if (!(lobe->weight > 0))
             continue;
