@@ -14,6 +14,7 @@ void image_destroy(struct image *image)
         return;
     free(image->name);
     free(image->rgba);
+    free(image->encoded);
     free(image);
 }
 
@@ -80,4 +81,18 @@ struct image *image_create(const char *name, uint32_t width, uint32_t height, in
         return NULL;
     }
     return image;
+}
+
+bool image_keep_encoded(struct image *image)
+{
+    size_t bytes = (size_t)image->width * image->height * 4 * sizeof *image->rgba;
+    if (!(image->encoded = malloc(bytes)))
+        return false;
+    memcpy(image->encoded, image->rgba, bytes);
+    return true;
+}
+
+float srgb_to_linear(float v)
+{
+    return v <= 0.04045f ? v / 12.92f : powf((v + 0.055f) / 1.055f, 2.4f);
 }

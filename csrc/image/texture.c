@@ -41,7 +41,8 @@ static void add_texel(const struct image *image, int64_t x, int64_t y, float wei
 {
     if (x < 0 || y < 0)
         return;
-    const float *texel = image->rgba + 4 * ((size_t)y * image->width + (size_t)x);
+    const float *texels = image->encoded ? image->encoded : image->rgba;
+    const float *texel = texels + 4 * ((size_t)y * image->width + (size_t)x);
     for (int c = 0; c < 4; c++)
         rgba[c] += weight * texel[c];
 }
@@ -83,6 +84,8 @@ void texture_lookup(const struct texture *texture, struct vec3 coordinates, floa
         look_up_closest(texture, at.x, at.y, rgba);
         break;
     }
+    for (int c = 0; c < 3 && texture->image->encoded; c++)
+        rgba[c] = srgb_to_linear(rgba[c]);
 }
 
 float texture_channel_value(const struct texture *texture, const float rgba[4],

@@ -12,6 +12,9 @@ struct image {
     char *name;
     uint32_t width, height;
     float *rgba; /* first row at the bottom; alpha 1 where the source has none */
+    /* The same with colours as they were stored, by the curve of sRGB, or NULL: Cycles decodes what it has
+       interpolated. Meaningful in a working space with the primaries of Rec.709 alone. */
+    float *encoded;
     float mean[4];
 };
 
@@ -19,6 +22,9 @@ struct image {
 struct image *image_create(const char *name, uint32_t width, uint32_t height, int channels, bool eight_bit,
                            const void *pixels, size_t bytes, stokes_error *err);
 void image_destroy(struct image *);
+/* Keeps what `rgba` holds now as `encoded`. False if there is no memory for it. */
+bool image_keep_encoded(struct image *);
+float srgb_to_linear(float);
 
 enum texture_interpolation { TEXTURE_LINEAR, TEXTURE_CLOSEST };
 enum texture_extension { TEXTURE_REPEAT, TEXTURE_EXTEND, TEXTURE_CLIP, TEXTURE_MIRROR };

@@ -12,11 +12,6 @@ struct image_size {
     int channels;
 };
 
-static float srgb_to_linear(float v)
-{
-    return v <= 0.04045f ? v / 12.92f : powf((v + 0.055f) / 1.055f, 2.4f);
-}
-
 /* Linear Rec.709 to the working space, by XYZ. */
 static void from_rec709(const struct working_space *space, float *rgba, size_t count)
 {
@@ -50,6 +45,17 @@ static bool convert_without_config(const struct place *colorspace, const char *n
     return true;
 }
 
+/* Cycles filters the bytes of an sRGB picture as they are stored, and decodes what it has looked up. */
+static bool is_filtered_encoded(const char *name, const struct session_color *color)
+{
+    struct working_space rec709;
+    working_space_rec709(&rec709);
+    for (int i = 0; i < 9; i++)
+        if (fabs(rec709.rgb_to_xyz[i] - color->working_space.rgb_to_xyz[i]) > 1e-3)
+            return false;
+    return strcmp(name, "sRGB") == 0;
+}
+
 static void find_mean(struct image *image)
 {
     size_t count = (size_t)image->width * image->height;
@@ -66,6 +72,8 @@ static bool convert(const struct place *colorspace, const char *name, const stru
     size_t count = (size_t)image->width * image->height;
     if (!*name || strcmp(name, "data") == 0 || strcmp(name, color->name) == 0)
         return true;
+    if (is_filtered_encoded(name, color) && !image_keep_encoded(image))
+        return place_fail(colorspace, "no memory for the picture's encoded colours");
     if (color->config ? !color_config_to_working(color->config, name, color->name, image->rgba, count, 4, err)
                       : !convert_without_config(colorspace, name, color, image->rgba, count))
         return false;
