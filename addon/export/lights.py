@@ -7,7 +7,7 @@ a light of power P:
     sun            irradiance P; before 4.0 a disk of constant *projected* radiance, which loses
                    2cosα/(1+cosα) of it for half-angle α
 Without `normalize` (4.5) the radiance is P/π, the intensity P/π, the sun's radiance P.
-A spot of 3.4 is dimmed by the cosine too, which the stream does not know: a warning says so.
+A spot of 3.4 is dimmed by the cosine too.
 Cycles lights with a soft radius are disks that turn to face each point; here they are the spheres
 of the same intensity."""
 
@@ -62,13 +62,12 @@ def _point(light, _matrix, _context):
     return kind, _radial_factor(light, radius), members
 
 
-def _spot(light, _matrix, _context):
+def _spot(light, _matrix, context):
     radius = light.shadow_soft_size
-    return (
-        "spot",
-        _radial_factor(light, radius),
-        {"radius": radius, "angle": light.spot_size, "blend": light.spot_blend},
-    )
+    members = {"radius": radius, "angle": light.spot_size, "blend": light.spot_blend}
+    if context.blender_version < (3, 5, 0):
+        members["dimmed"] = True
+    return "spot", _radial_factor(light, radius), members
 
 
 def _radial_factor(light, radius):
@@ -110,13 +109,6 @@ def _warn(light, matrix, context):
         scale = matrix.to_scale()
         if max(scale) - min(scale) > 1e-3 * max(scale) and context.blender_version >= (3, 5, 0):
             context.warn(light, "scale", "of a spot is not rendered: its cone is round")
-        if context.blender_version < (3, 5, 0):
-            context.warn(
-                light,
-                "spot_size",
-                "the cone is rendered as from Blender 3.5 on: "
-                "3.4 dims it towards its edge, by the cosine",
-            )
     casts = (
         light.use_shadow
         if context.blender_version >= (4, 2, 0)

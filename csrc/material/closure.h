@@ -91,8 +91,6 @@ struct material_context {
     struct working_space working_space;
     const struct rgb_table *rgb_table; /* NULL while no texture needs one */
     float luminance[3];
-    /* UV of layer `layer` > 0 of a hit's mesh; NULL: all textures read the default layer, hit.uv. */
-    void (*mesh_uv)(const struct hit *, int layer, float uv[2]);
 };
 
 /* Takes the closure (destroyed with the material, and on failure). NULL with *err if it has too many lobes, or a spectrum is

@@ -56,6 +56,7 @@ struct light_input {
     struct transform transform;
     struct emission_node *emission; /* taken */
     float size[2], radius, angle, blend;
+    bool dimmed; /* a spot: its intensity falls with the cosine, as before Blender 3.5 */
     struct visibility visible;
 };
 bool scene_add_light(struct scene *, const struct light_input *, stokes_error *err);

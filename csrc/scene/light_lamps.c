@@ -234,21 +234,26 @@ static float spot_cosine(const struct lamp *lamp, struct vec3 direction, float *
     return *stretch > 0 ? -local.z / *stretch : 0;
 }
 
-/* Cycles' spot: a smoothstep of the cosine from the cone's rim inwards. */
+/* Cycles' spot: a smoothstep of the cosine from the cone's rim inwards; once also dimmed by the cosine. */
 static float spot_attenuation(const struct lamp *lamp, struct vec3 direction)
 {
-    float stretch, above = spot_cosine(lamp, direction, &stretch) - lamp->cos_half;
+    float stretch, cosine = spot_cosine(lamp, direction, &stretch), above = cosine - lamp->cos_half;
+    float whole = lamp->input.dimmed ? fmaxf(cosine, 0) : 1;
     if (!(above > 0))
         return 0;
     if (!(above < lamp->smooth))
-        return 1;
+        return whole;
     float x = above / lamp->smooth;
-    return x * x * (3 - 2 * x);
+    return whole * x * x * (3 - 2 * x);
 }
 
-/* Solid angle of the cone, each direction weighted by its attenuation: a smoothstep has the mean 1/2. */
+/* Solid angle of the cone, each direction weighted by its attenuation: a smoothstep has the mean 1/2, and the first moment 7/20. */
 static double spot_solid_angle(const struct lamp *lamp)
 {
+    if (lamp->input.dimmed && lamp->cos_half > 0) {
+        double rim = lamp->cos_half, width = lamp->smooth, full = rim + width;
+        return 2 * PI_F * (0.5 * (1 - full * full) + width * (0.5 * rim + 0.35 * width));
+    }
     return 2 * PI_F * (1 - lamp->cos_half - 0.5 * lamp->smooth);
 }
 

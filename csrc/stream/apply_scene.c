@@ -187,7 +187,8 @@ static bool read_light(const struct place *root, struct light_input *light)
     static const struct field spot[] = {
         {"radius", FIELD_FLOAT, false, offsetof(struct light_input, radius), 0, 0, FLT_MAX},
         {"angle", FIELD_FLOAT, true, offsetof(struct light_input, angle), 0, 0, 6.2832},
-        {"blend", FIELD_FLOAT, false, offsetof(struct light_input, blend), 0, 0, 1}};
+        {"blend", FIELD_FLOAT, false, offsetof(struct light_input, blend), 0, 0, 1},
+        {"dimmed", FIELD_BOOL, false, offsetof(struct light_input, dimmed), 0, 0, 0}};
     static const struct field sun[] = {
         {"angle", FIELD_FLOAT, false, offsetof(struct light_input, angle), 0, 0, 6.2832}};
     struct place kind = place_member(root, "kind");
@@ -201,7 +202,7 @@ static bool read_light(const struct place *root, struct light_input *light)
     case LIGHT_ELLIPSE: return read_fields(root, area, 1, light);
     case LIGHT_SPHERE: return read_fields(root, sphere, 1, light);
     case LIGHT_POINT: return true;
-    case LIGHT_SPOT: return read_fields(root, spot, 3, light);
+    case LIGHT_SPOT: return read_fields(root, spot, 4, light);
     case LIGHT_SUN: return read_fields(root, sun, 1, light);
     }
     return false;
