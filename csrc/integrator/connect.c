@@ -100,7 +100,7 @@ static void join(const struct integrator *it, struct worker *w, struct joint *jo
     for (int i = 0; i < y_count; i++)
         for (int j = 0; j < x_count; j++) {
             float lambda_edge = 0;
-            if (!joint_keeps_bounces(it, joint, of_y[i], of_x[j]))
+            if (!joint_is_allowed(it, joint, of_y[i], of_x[j]))
                 continue;
             double value = labelled_value(it, w, joint, of_y[i], of_x[j], i * CHOICES_MAX + j, &lambda_edge);
             if (value > 0)

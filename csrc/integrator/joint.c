@@ -61,26 +61,36 @@ double joint_visibility(const struct integrator *it, const struct joint *joint, 
                             vertex_offset(joint->y, joint->y_to_x), lambda);
 }
 
-static void count_bounce(const struct vertex *v, struct choice as, struct vec3 to_other,
-                         uint8_t bounces[SCATTER_CLASSES])
+static enum scatter_class end_class(const struct vertex *v, struct choice as, struct vec3 to_other)
 {
-    if (v->kind != VERTEX_SURFACE)
-        return;
-    for (int i = 0; i < SCATTER_CLASSES; i++)
-        bounces[i] = (uint8_t)(bounces[i] + v->bounces[i]);
-    bounces[as.label == LABEL_FLUORESCENT ? SCATTER_DIFFUSE
-                                          : surface_elastic_class(&v->surface, v->to_prev, to_other)]++;
+    return as.label == LABEL_FLUORESCENT ? SCATTER_DIFFUSE
+                                         : surface_elastic_class(&v->surface, v->to_prev, to_other);
 }
 
-bool joint_keeps_bounces(const struct integrator *it, const struct joint *joint, struct choice as_y,
-                         struct choice as_x)
+static bool keeps_bounces(const struct integrator *it, const struct joint *joint, enum scatter_class y,
+                          enum scatter_class x)
 {
     uint8_t bounces[SCATTER_CLASSES] = {0};
-    if (!it->limits_bounces)
-        return true;
-    count_bounce(joint->y, as_y, joint->y_to_x, bounces);
-    count_bounce(joint->x, as_x, negate(joint->y_to_x), bounces);
+    for (int i = 0; i < SCATTER_CLASSES; i++)
+        bounces[i] = (uint8_t)((joint->s > 1 ? joint->y->bounces[i] + (i == (int)y) : 0) +
+                               (joint->t > 1 ? joint->x->bounces[i] + (i == (int)x) : 0));
     return path_keeps_bounces(&it->settings, bounces);
+}
+
+bool joint_is_allowed(const struct integrator *it, const struct joint *joint, struct choice as_y,
+                      struct choice as_x)
+{
+    const struct vertex *y = joint->y, *x = joint->x;
+    enum scatter_class y_class = SCATTER_DIFFUSE, x_class = SCATTER_DIFFUSE;
+    if (joint->s > 1)
+        y_class = end_class(y, as_y, joint->y_to_x);
+    if (joint->t > 1)
+        x_class = end_class(x, as_x, negate(joint->y_to_x));
+    if (!(y->kinds & (joint->t > 1 ? path_ray_kind(x_class) : RAY_CAMERA)))
+        return false;
+    if (joint->s > 1 && !(y[-1].kinds & path_ray_kind(y_class)))
+        return false;
+    return !it->limits_bounces || keeps_bounces(it, joint, y_class, x_class);
 }
 
 /* --- Ends -------------------------------------------------------------------------------------------------- */
@@ -216,6 +226,7 @@ bool joint_light_vertex(const struct integrator *it, const float u[3], struct ve
         return false;
     y->position = y->light.position;
     y->unbounded = y->light.distant;
+    y->kinds = scene_light_kinds(it->scene, y->light.light);
     y->throughput = 1 / (double)y->pdf_point;
     return true;
 }

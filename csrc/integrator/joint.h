@@ -35,9 +35,10 @@ struct end {
 bool joint_open(const struct integrator *, const struct worker *, struct joint *, const struct subpath *light,
                 const struct subpath *camera);
 
-/* True if the path with these labels keeps the limits on bounces. */
-bool joint_keeps_bounces(const struct integrator *, const struct joint *, struct choice as_y,
-                         struct choice as_x);
+/* True if the path with these labels keeps the limits on bounces, and every edge's near end is seen by the kind of ray that leaves its
+   far end. */
+bool joint_is_allowed(const struct integrator *, const struct joint *, struct choice as_y,
+                      struct choice as_x);
 
 /* The end on one side with a label and the edge's wavelength, which an elastic end shares with its own sub-path. */
 struct end joint_end(const struct integrator *, const struct joint *, enum side, struct choice as,

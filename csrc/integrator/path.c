@@ -71,10 +71,11 @@ static bool fly(const struct integrator *it, struct worker *w, enum side side, s
 }
 
 /* Fills what a new surface vertex knows of the edge to its predecessor. */
-static bool arrive(struct vertex *prev, struct vertex *next, struct vec3 direction, double throughput,
-                   bool passed)
+static bool arrive(const struct integrator *it, struct vertex *prev, struct vertex *next,
+                   struct vec3 direction, double throughput, bool passed)
 {
     next->kind = VERTEX_SURFACE;
+    next->kinds = scene_hit_kinds(it->scene, &next->hit);
     next->label = LABEL_ELASTIC;
     next->disperses = false;
     next->unbounded = false;
@@ -94,7 +95,10 @@ bool path_keeps_bounces(const struct integrator_settings *s, const uint8_t bounc
            bounces[SCATTER_TRANSMISSION] <= s->max_transmission;
 }
 
-static uint32_t ray_kind_after(int depth_class)
+/* What a light sub-path meets may be seen by any kind of ray; which one, its scattering there decides. */
+static const uint32_t any_kind = RAY_CAMERA | RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION;
+
+uint32_t path_ray_kind(enum scatter_class depth_class)
 {
     return depth_class == SCATTER_DIFFUSE  ? RAY_DIFFUSE
            : depth_class == SCATTER_GLOSSY ? RAY_GLOSSY
@@ -160,6 +164,9 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     if (w->copying && drawn.label == LABEL_FLUORESCENT &&
         !copy_at_dye(w, path, dimension + 6, v, &drawn, &gain))
         return false;
+    /* Seen from the camera, this vertex's scattering sends a ray to the one that a light sub-path came from. */
+    if (side == SIDE_LIGHT && !(v[-1].kinds & path_ray_kind((enum scatter_class)drawn.depth_class)))
+        return false;
     v->label = drawn.label;
     v->lobe = drawn.lobe;
     v->to_next = drawn.direction;
@@ -178,8 +185,9 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     for (int i = 0; i < SCATTER_CLASSES; i++)
         next->bounces[i] = (uint8_t)(v->bounces[i] + (i == drawn.depth_class));
     f->throughput = v->throughput * gain / v->survival;
-    f->ray = (struct ray){scene_offset(&v->hit, drawn.direction), drawn.direction, 0, INFINITY,
-                          ray_kind_after(drawn.depth_class)};
+    f->ray =
+        (struct ray){scene_offset(&v->hit, drawn.direction), drawn.direction, 0, INFINITY,
+                     side == SIDE_LIGHT ? any_kind : path_ray_kind((enum scatter_class)drawn.depth_class)};
     /* In exact.c what is dark at this wavelength may be bright at another. */
     return (f->throughput > 0 || it->exact) && isfinite(f->throughput) &&
            path_keeps_bounces(&it->settings, next->bounces);
@@ -195,7 +203,7 @@ static void extend(const struct integrator *it, struct worker *w, enum side side
         f->dimension = block + (uint32_t)step * DIMS_PER_STEP * PASSES_MAX;
         if (step > 0 && !scatter(it, w, side, path, f->dimension, f))
             return;
-        if (!fly(it, w, side, f, next) || !arrive(prev, next, f->ray.direction, f->throughput, f->passed))
+        if (!fly(it, w, side, f, next) || !arrive(it, prev, next, f->ray.direction, f->throughput, f->passed))
             return;
         path->count++;
     }
@@ -242,6 +250,7 @@ static bool start_light(const struct integrator *it, struct worker *w, struct su
         return false;
     v->position = v->light.position;
     v->unbounded = v->light.distant;
+    v->kinds = scene_light_kinds(it->scene, v->light.light);
     v->throughput = 1 / (double)v->pdf_point;
     path->count = 1;
     v->lambda_out = scene_sample_light_lambda(it->scene, &v->light,
@@ -271,14 +280,14 @@ static bool start_light(const struct integrator *it, struct worker *w, struct su
 
 void path_trace_light(const struct integrator *it, struct worker *w)
 {
-    struct flight f = {.ray = {.far = INFINITY, .kind = RAY_DIFFUSE}};
+    struct flight f = {.ray = {.far = INFINITY, .kind = any_kind}};
     if (start_light(it, w, &w->light, 0, NULL, &f))
         extend(it, w, SIDE_LIGHT, &w->light, &f, it->light_edges);
 }
 
 void path_trace_copy(const struct integrator *it, struct worker *w, struct copying *copying)
 {
-    struct flight f = {.ray = {.far = INFINITY, .kind = RAY_DIFFUSE}};
+    struct flight f = {.ray = {.far = INFINITY, .kind = any_kind}};
     copying->taken = -1;
     copying->start = 0;
     w->copying = copying;

@@ -36,6 +36,7 @@ struct vertex {
     bool disperses;     /* passed by a refraction whose direction depends on the wavelength */
     bool run_disperses; /* some vertex of this run before this one did (algorithm.md §9) */
     uint8_t bounces[SCATTER_CLASSES];
+    uint32_t kinds;           /* of rays that see this vertex (enum ray_kind) */
     float pdf_point;          /* VERTEX_LIGHT: of choosing light and point */
     struct light_point light; /* VERTEX_LIGHT */
     struct camera_point lens; /* VERTEX_CAMERA */
@@ -129,6 +130,9 @@ static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)
     }
     return 0;
 }
+
+/* The kind of ray that leaves a vertex after scattering there, towards the light. */
+uint32_t path_ray_kind(enum scatter_class);
 
 /* Whether a whole path with so many bounces of each class is within the limits. */
 bool path_keeps_bounces(const struct integrator_settings *, const uint8_t bounces[SCATTER_CLASSES]);

@@ -176,3 +176,8 @@ float scene_visibility_distant(const struct scene *scene, struct vec3 from, stru
 {
     return accel_transmittance(scene, from, direction, INFINITY, lambda);
 }
+
+uint32_t scene_hit_kinds(const struct scene *scene, const struct hit *hit)
+{
+    return scene->objects[hit->instance].instances->mask;
+}

@@ -265,3 +265,8 @@ int scene_distant_along(const struct scene *scene, const struct ray *ray, struct
         count += try_light(scene, scene->distant[i], ray, &points[count], &t);
     return count;
 }
+
+uint32_t scene_light_kinds(const struct scene *scene, int light)
+{
+    return scene->lights[light].mask;
+}

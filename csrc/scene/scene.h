@@ -25,6 +25,9 @@ float scene_visibility(const struct scene *, struct vec3 from, struct vec3 to, f
 /* The same to infinity along a unit direction. */
 float scene_visibility_distant(const struct scene *, struct vec3 from, struct vec3 direction, float lambda);
 
+/* Which kinds of ray (enum ray_kind) see what was hit. An edge of a path is a ray that leaves its end on the camera's side, whoever traced it. */
+uint32_t scene_hit_kinds(const struct scene *, const struct hit *);
+
 /* A ray's origin moved off the surface, to the side that `direction` leaves to. */
 struct vec3 scene_offset(const struct hit *, struct vec3 direction);
 
@@ -50,6 +53,9 @@ int scene_light_count(const struct scene *);
 const char *scene_light_name(const struct scene *, int light);
 /* True if no camera sub-path can hit it (`pt` names such lights). */
 bool scene_light_is_delta(const struct scene *, int light);
+
+/* The same of a light. */
+uint32_t scene_light_kinds(const struct scene *, int light);
 
 /* Draws a light by power and a point on it; u: light, point, point. pdf: the choice × density per area (per solid angle if
    distant; 1 × choice for δ). False if the scene has no light. */

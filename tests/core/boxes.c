@@ -103,7 +103,8 @@ struct closure *box_lamp(struct range range, float radiance_per_nm)
     return c;
 }
 
-static void add_instance(struct scene *scene, const char *mesh, const char *material)
+static void add_instance_seen(struct scene *scene, const char *mesh, const char *material,
+                              struct visibility visible)
 {
     static const float identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     stokes_error err;
@@ -113,8 +114,13 @@ static void add_instance(struct scene *scene, const char *mesh, const char *mate
                                         .material_count = 1,
                                         .transforms = identity,
                                         .transform_count = 1,
-                                        .visible = {true, true, true, true, true}};
+                                        .visible = visible};
     expect(scene_add_instances(scene, &instances, &err), &err);
+}
+
+static void add_instance(struct scene *scene, const char *mesh, const char *material)
+{
+    add_instance_seen(scene, mesh, material, (struct visibility){true, true, true, true, true});
 }
 
 void box_add_quad(struct scene *scene, const char *name, const char *material, const float corners[4][3])
@@ -205,6 +211,26 @@ static void commit(struct scene *scene, struct range range)
     stokes_error err;
     working_space_rec709(&setup.working_space);
     expect(scene_commit(scene, &setup, &err), &err);
+}
+
+struct scene *hidden_lamp_scene(struct range range, int pixels)
+{
+    static const float floor[4][3] = {{-1, -1, -0.5f}, {1, -1, -0.5f}, {1, 1, -0.5f}, {-1, 1, -0.5f}};
+    static const float seen[4][3] = {
+        {-0.6f, 0, 0.3f}, {-0.6f, 0.4f, 0.3f}, {-0.2f, 0.4f, 0.3f}, {-0.2f, 0, 0.3f}};
+    static const float hidden[4][3] = {
+        {0.2f, 0, 0.2f}, {0.2f, 0.4f, 0.3f}, {0.6f, 0.4f, 0.3f}, {0.6f, 0, 0.2f}};
+    struct scene *scene = scene_create();
+    stokes_error err;
+    expect(scene_add_material(scene, "grey", box_diffuse(range, 0.6f), &err), &err);
+    expect(scene_add_material(scene, "lamp", box_lamp(range, 0.1f), &err), &err);
+    box_add_quad(scene, "floor", "grey", floor);
+    box_add_quad(scene, "seen", "lamp", seen);
+    box_add_quad(scene, "hidden", "lamp", hidden);
+    add_instance_seen(scene, "hidden", "lamp", (struct visibility){.camera = true});
+    add_camera(scene, pixels);
+    commit(scene, range);
+    return scene;
 }
 
 struct scene *world_scene(struct range range, float radiance_per_nm, int pixels)

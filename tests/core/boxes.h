@@ -17,6 +17,9 @@ void box_add_quad(struct scene *, const char *name, const char *material, const 
 void box_add_sphere(struct scene *, const char *name, const char *material, const float center[3],
                     float radius);
 
+/* A grey floor under two lamps, of which only the camera sees the second; the camera looks at all three. Committed. */
+struct scene *hidden_lamp_scene(struct range, int pixels);
+
 /* Nothing but a constant world, of this radiance per nm, and the camera. Committed. */
 struct scene *world_scene(struct range, float radiance_per_nm, int pixels);
 

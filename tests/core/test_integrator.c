@@ -210,12 +210,54 @@ static void the_empty_world_has_its_radiance(void **state)
     scene_destroy(scene);
 }
 
+/* Mean Y of the lower part of the picture, where no lamp is, in batches, one a seed. */
+static struct batches mean_below(const struct scene *scene, const char *name, int samples)
+{
+    enum { PIXELS = 16 };
+    int border[4] = {0, 0, PIXELS, PIXELS};
+    struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
+    struct integrator_settings settings = integrator_settings_default();
+    struct batches batches = {0};
+    settings.name = name;
+    settings.d0_nm = 4;
+    settings.shrink = 0;
+    for (settings.seed = 0; settings.seed < BATCHES; settings.seed++) {
+        struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
+        double sum = 0;
+        assert_non_null(it);
+        film_clear(film);
+        for (int sample = 0; sample < samples; sample++)
+            for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++)
+                integrator_sample(it, 0, pixel % PIXELS, pixel / PIXELS, sample);
+        for (int pixel = 0; pixel < PIXELS * PIXELS * 3 / 8; pixel++)
+            sum += (double)film->sum[4 * pixel + 1] / (1 << FILM_FRACTION_BITS);
+        batches_add(&batches, sum / samples);
+        integrator_destroy(it);
+    }
+    film_destroy(film);
+    return batches;
+}
+
+/* A lamp that diffuse rays do not see lights nothing, whichever end of the path was traced first. */
+static void what_only_the_camera_sees_lights_nothing(void **state)
+{
+    struct scene *scene = hidden_lamp_scene(range, 16);
+    struct batches reference = mean_below(scene, "pt", 128), other = mean_below(scene, *state, 32);
+    /* The second lamp would add about as much as the first. */
+    assert_same(&reference, &other, 1, (struct power){.sees_error = 0.15});
+    scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_prestate(the_empty_world_has_its_radiance, "pt"),
         cmocka_unit_test_prestate(the_empty_world_has_its_radiance, "mbdpt"),
         cmocka_unit_test_prestate(the_empty_world_has_its_radiance, "bdpt"),
+        cmocka_unit_test_prestate(what_only_the_camera_sees_lights_nothing, "lt"),
+        cmocka_unit_test_prestate(what_only_the_camera_sees_lights_nothing, "pt_nee"),
+        cmocka_unit_test_prestate(what_only_the_camera_sees_lights_nothing, "mbdpt"),
+        cmocka_unit_test_prestate(what_only_the_camera_sees_lights_nothing, "bdpt"),
         cmocka_unit_test(weights_are_the_plain_products_and_sum_to_one),
         cmocka_unit_test_prestate(techniques_deliver_what_they_claim_in_the_open, "mbdpt"),
         cmocka_unit_test_prestate(techniques_deliver_what_they_claim_with_the_lamp_in_glass, "mbdpt"),
