@@ -29,7 +29,7 @@ SAMPLES = {
     ("elastic", "d65"): {"pt": 2600, "pt_nee": 300, "lt": 750, "mbdpt": 145, "bdpt": 90},
     ("elastic", "uv"): {"pt": 100, "pt_nee": 140, "lt": 270, "mbdpt": 60, "bdpt": 15},
     ("fluorescent", "d65"): {"pt": 8000, "pt_nee": 2400, "lt": 750, "mbdpt": 145, "bdpt": 90},
-    ("fluorescent", "uv"): {"pt": 16000, "pt_nee": 10500, "lt": 290, "mbdpt": 145, "bdpt": 60},
+    ("fluorescent", "uv"): {"pt": 16000, "pt_nee": 10500, "lt": 420, "mbdpt": 145, "bdpt": 60},
 }
 LAMP_SAMPLES = 7500  # for the lamp in the sphere's middle
 
