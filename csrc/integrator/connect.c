@@ -121,7 +121,8 @@ static void connect_light(const struct integrator *it, struct worker *w, int t)
 {
     struct vertex y;
     struct subpath light = {1, &y};
-    struct joint joint = {.y = &y, .x = &w->camera.vertex[t - 1], .s = 1, .t = t};
+    struct joint joint;
+    joint_set(&joint, &y, &w->camera.vertex[t - 1], 1, t);
     struct pendings pendings;
     float u[3];
     draw(w, DIM_NEE + (uint32_t)t * DIMS_PER_NEE, 3, u);
@@ -136,7 +137,8 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
 {
     struct vertex x;
     struct subpath camera = {1, &x};
-    struct joint joint = {.y = &w->light.vertex[s - 1], .x = &x, .s = s, .t = 1};
+    struct joint joint;
+    joint_set(&joint, &w->light.vertex[s - 1], &x, s, 1);
     struct pendings pendings;
     float u[4];
     int pixel[2];
@@ -149,7 +151,8 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
 
 static void connect_inner(const struct integrator *it, struct worker *w, int s, int t)
 {
-    struct joint joint = {.y = &w->light.vertex[s - 1], .x = &w->camera.vertex[t - 1], .s = s, .t = t};
+    struct joint joint;
+    joint_set(&joint, &w->light.vertex[s - 1], &w->camera.vertex[t - 1], s, t);
     struct pendings pendings;
     join(it, w, &joint, &w->light, &w->camera, &pendings);
     pendings_gather(it, w, &pendings);

@@ -113,8 +113,8 @@ static void join_taps(const struct integrator *it, struct worker *w, const struc
         if (!can_end(&light->path->vertex[y], light->group->as))
             continue;
         for (int x = camera->first; x < camera->end; x++) {
-            struct joint joint = {
-                .y = &light->path->vertex[y], .x = &camera->path->vertex[x], .s = y + 1, .t = x + 1};
+            struct joint joint;
+            joint_set(&joint, &light->path->vertex[y], &camera->path->vertex[x], y + 1, x + 1);
             if (!it->settings.technique[y + 1][x + 1] || !can_end(joint.x, camera->group->as))
                 continue;
             join(it, w, &joint, light, camera, mu, draw, &pendings);
@@ -203,7 +203,8 @@ static void join_lights(const struct integrator *it, struct worker *w, const str
     struct pendings pendings;
     float u[3];
     for (int x = camera->first; x < camera->end; x++) {
-        struct joint joint = {.y = &y, .x = &w->camera.vertex[x], .s = 1, .t = x + 1};
+        struct joint joint;
+        joint_set(&joint, &y, &w->camera.vertex[x], 1, x + 1);
         draw_numbers(w, DIM_NEE + (uint32_t)(x + 1) * DIMS_PER_NEE, 3, u);
         if (!it->settings.technique[1][x + 1] || !can_end(joint.x, camera->group->as) ||
             !joint_light_vertex(it, u, &y))
@@ -242,7 +243,8 @@ static void join_lens(const struct integrator *it, struct worker *w, const struc
     float u[4];
     int pixel[2];
     for (int y = light->first; y < light->end; y++) {
-        struct joint joint = {.y = &light->path->vertex[y], .x = &x, .s = y + 1, .t = 1};
+        struct joint joint;
+        joint_set(&joint, &light->path->vertex[y], &x, y + 1, 1);
         draw_numbers(w, DIM_SPLAT + (uint32_t)(y + 1) * DIMS_PER_SPLAT, 4, u);
         if (!it->settings.technique[y + 1][1] || !can_end(joint.y, light->group->as) ||
             !joint_camera_vertex(it, &joint, &x, u, pixel))

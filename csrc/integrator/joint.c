@@ -221,7 +221,7 @@ void pendings_splat(const struct integrator *it, const struct pendings *p, const
 
 bool joint_light_vertex(const struct integrator *it, const float u[3], struct vertex *y)
 {
-    *y = (struct vertex){.kind = VERTEX_LIGHT, .label = LABEL_FLUORESCENT};
+    vertex_begin(y, VERTEX_LIGHT);
     if (!scene_sample_light(it->scene, u, &y->light, &y->pdf_point))
         return false;
     y->position = y->light.position;
@@ -236,17 +236,17 @@ bool joint_camera_vertex(const struct integrator *it, struct joint *joint, struc
 {
     const struct vertex *y = joint->y;
     float at[2], width = it->settings.filter_width;
-    *x = (struct vertex){.kind = VERTEX_CAMERA,
-                         .label = LABEL_FLUORESCENT,
-                         .throughput = 1,
-                         .unbounded = scene_camera_is_orthographic(it->scene)};
+    vertex_begin(x, VERTEX_CAMERA);
+    x->unbounded = scene_camera_is_orthographic(it->scene);
     if (joint->s == 1 && (y->unbounded || !scene_light_seen_by_camera(it->scene, &y->light)))
         return false;
     if (!scene_camera_connect(it->scene, y->position, width, u, &x->lens, at, &joint->pdf_camera_direction))
         return false;
-    /* Jittered by the pixel's own filter, so that the splat has weight 1 in the pixel that it falls into. */
-    pixel[0] = (int)floorf(at[0] + film_filter_sample(width, u[2]));
-    pixel[1] = (int)floorf(at[1] + film_filter_sample(width, u[3]));
+    /* One of the pixels whose camera samples look through `at`, as often as they do. */
+    float weight[2];
+    for (int i = 0; i < 2; i++)
+        pixel[i] = film_filter_pixel(width, at[i], u[2 + i], &weight[i]);
+    x->throughput = weight[0] * weight[1];
     x->position = x->lens.position;
     return pixel[0] >= it->border[0] && pixel[0] < it->border[2] && pixel[1] >= it->border[1] &&
            pixel[1] < it->border[3];

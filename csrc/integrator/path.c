@@ -216,11 +216,9 @@ void path_trace_camera(const struct integrator *it, struct worker *w, float x, f
     float lens[2] = {random_at(w->random, DIM_LENS), random_at(w->random, DIM_LENS + 1)}, pdf_lambda,
           pdf_direction;
     float lambda = spectrum_sample(it->wavelengths.camera, random_at(w->random, DIM_LAMBDA), &pdf_lambda);
-    *v = (struct vertex){.kind = VERTEX_CAMERA,
-                         .label = LABEL_FLUORESCENT,
-                         .lambda_out = lambda,
-                         .survival = 1,
-                         .unbounded = scene_camera_is_orthographic(it->scene)};
+    vertex_begin(v, VERTEX_CAMERA);
+    v->lambda_out = lambda;
+    v->unbounded = scene_camera_is_orthographic(it->scene);
     struct flight f = {.ray = scene_camera_ray(it->scene, x, y, lens, &v->lens, &pdf_direction),
                        .throughput = 1 / (double)pdf_lambda};
     v->position = v->lens.position;
@@ -245,7 +243,7 @@ static bool start_light(const struct integrator *it, struct worker *w, struct su
     for (uint32_t i = 0; i < 2; i++)
         turn[i] = random_at(w->random, block + DIM_LIGHT_DIRECTION + i);
     path->count = 0;
-    *v = (struct vertex){.kind = VERTEX_LIGHT, .label = LABEL_FLUORESCENT, .survival = 1};
+    vertex_begin(v, VERTEX_LIGHT);
     if (!scene_sample_light(it->scene, u, &v->light, &v->pdf_point))
         return false;
     v->position = v->light.position;

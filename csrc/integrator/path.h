@@ -44,6 +44,20 @@ struct vertex {
     struct surface surface;   /* VERTEX_SURFACE: evaluates again at any wavelength */
 };
 
+/* Sets what says nothing yet; hit and surface, which are two kilobytes, are left as they are. */
+static inline void vertex_begin(struct vertex *v, enum vertex_kind kind)
+{
+    v->kind = kind;
+    v->label = kind == VERTEX_SURFACE ? LABEL_ELASTIC : LABEL_FLUORESCENT;
+    v->lobe = 0;
+    v->lambda_in = v->lambda_out = 0;
+    v->throughput = 1;
+    v->pdf_own = v->pdf_other = 0;
+    v->survival = v->passage = 1;
+    v->geometry = 0;
+    v->unbounded = v->passed = v->disperses = false;
+}
+
 struct subpath {
     int count;
     struct vertex *vertex; /* PATH_VERTICES of them */
