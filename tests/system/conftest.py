@@ -1,4 +1,4 @@
-"""Fixtures and helpers of the whole-render tests: running `stokes`, batches by seed, and the marker `long`."""
+"""Fixtures and helpers of the whole-render tests: running `stokes` and batches by seed."""
 
 import concurrent.futures
 import os
@@ -15,19 +15,6 @@ import exr  # noqa: E402  (found by the line above)
 
 ROOT = pathlib.Path(__file__).parents[2]
 TIMEOUT = 600  # seconds, for one render; `long` renders are many, not longer
-
-
-def pytest_configure(config):
-    config.addinivalue_line("markers", "long: the same claims with ten times the precision (make test-long)")
-
-
-def pytest_collection_modifyitems(config, items):
-    if "long" in (config.getoption("markexpr") or ""):
-        return
-    skip = pytest.mark.skip(reason="long: run by make test-long")
-    for item in items:
-        if "long" in item.keywords:
-            item.add_marker(skip)
 
 
 class Core:
