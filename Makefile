@@ -69,10 +69,10 @@ demo: core ## render the fluorescent spheres through headless Blender into build
 	@ls -l $(DEMO)
 
 test: core test-core $(VENV)/.done ## everything that must hold: the core's rooms, the add-on, whole renders
-	$(VENV)/bin/python -m pytest -q -rs tests
+	$(VENV)/bin/python -m pytest -q -rs -n $(JOBS) tests
 
 test-long: core $(VENV)/.done ## the same answers with ten times the precision
-	$(VENV)/bin/python -m pytest -q -rs -m long tests
+	$(VENV)/bin/python -m pytest -q -rs -n $(JOBS) -m long tests
 
 test-core: deps ## the core's own tests; VARIANT=asan with sanitizers, NAMES="base stream" only those
 	@$(MAKE) --no-print-directory -j$(JOBS) $(TESTS)
