@@ -32,13 +32,7 @@ def host(name):
         pytest.skip(str(missing))
 
 
-@pytest.fixture(autouse=True)
-def _long_only_on_demand(request):
-    if request.node.get_closest_marker("long") and "long" not in (request.config.option.markexpr or ""):
-        pytest.skip("long: ask for it by -m long")
-
-
-@pytest.mark.parametrize("blender, scene", _cases())
+@pytest.mark.parametrize("blender, scene", list(_cases()))
 def test_stokes_and_cycles_see_the_same_scene(blender, scene, tmp_path):
     pictures, _ = compare.render(host(blender), scene, tmp_path, compare.REFERENCE + compare.SUBJECT)
     found = compare.difference(pictures)
