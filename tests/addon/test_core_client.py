@@ -11,7 +11,7 @@ import pytest
 
 from addon.core import find, stream
 from addon.core.client import Client, CoreError
-from conftest import FAKE_CORE
+from hosts import FAKE_CORE
 
 
 @pytest.fixture(autouse=True)

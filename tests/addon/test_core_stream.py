@@ -8,7 +8,7 @@ from array import array
 import pytest
 
 from addon.core import stream
-from conftest import ROOT
+from hosts import ROOT
 
 
 def test_recorded_frames_read_back_as_sent(tmp_path):

@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from conftest import ROOT
+from hosts import ROOT
 
 CORE = ROOT / "build" / "stokes"
 OCIO = ROOT / "build" / "deps" / "ocio"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from conftest import ROOT
+from hosts import ROOT
 
 
 def test_a_quad_arrives_with_its_positions_corners_and_material(host, tmp_path):

@@ -7,7 +7,7 @@ import zlib
 
 import pytest
 
-from conftest import ROOT
+from hosts import ROOT
 
 CORE = ROOT / "build" / "stokes"
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from conftest import ROOT
+from hosts import ROOT
 
 CORE = ROOT / "build" / "stokes"
 SCENES = {

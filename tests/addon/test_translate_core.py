@@ -2,7 +2,7 @@
 
 import pytest
 
-from conftest import ROOT
+from hosts import ROOT
 
 CORE = ROOT / "build" / "stokes"
 

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from conftest import INSIDE, ROOT
+from hosts import INSIDE, ROOT
 
 WINDOW = """
 import traceback

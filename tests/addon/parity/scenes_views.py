@@ -74,7 +74,7 @@ def camera_out_of_focus():
     dof.focus_distance, dof.aperture_fstop = 5.0, 0.15
 
 
-@scene(size=(80, 80))
+@scene(samples=(128, 1024), size=(80, 80))
 def border():
     """A part of the frame; the rest of the picture stays empty."""
     still_life()
