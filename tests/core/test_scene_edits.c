@@ -152,7 +152,7 @@ static void order_of_messages_changes_nothing(void **state)
     for (int order = 0; order < 2; order++) {
         scenes[order] = scene_create();
         for (int i = 0; i < 40; i++) {
-            char name[16];
+            char name[32];
             struct transform transform = scenes_identity;
             int k = order ? 39 - i : i;
             transform.m[11] = (float)k;
@@ -164,7 +164,7 @@ static void order_of_messages_changes_nothing(void **state)
                                                              .emission = scenes_emission((float)k + 1)});
         }
         for (int k = 0; order && k < 40; k += 3) { /* send some again */
-            char name[16];
+            char name[32];
             struct transform transform = scenes_identity;
             transform.m[11] = (float)k;
             snprintf(name, sizeof name, "lamp %d", k);
