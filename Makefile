@@ -78,7 +78,7 @@ test-core: deps ## the core's own tests; VARIANT=asan with sanitizers, NAMES="ba
 	@$(MAKE) --no-print-directory -j$(JOBS) $(TESTS)
 	@$(MAKE) --no-print-directory -j$(JOBS) -O $(RUNS)
 $(RUNS): run-%: $(BUILD)/tests/%
-	@echo "== $<"; $<
+	@echo "== $<"; LSAN_OPTIONS=suppressions=tests/core/leaks.supp:print_suppressions=0 $<
 
 $(VENV)/.done: tests/requirements.txt
 	$(PYTHON) -m venv $(VENV)
