@@ -1,6 +1,6 @@
 """A final render or a material preview of one view layer: from the depsgraph to the Image Editor.
 Whatever goes wrong ends here, as one line; an exception that left render() would write a black file
-(blender.md, 4)."""
+."""
 
 import struct
 import time
@@ -148,7 +148,7 @@ def set_pixels(target, data, count):
     if bpy.app.version >= (4, 2, 0):
         with memoryview(data) as view, view.cast("f") as floats:
             target.rect.foreach_set(floats)
-    else:  # 3.4 refuses a flat array for a pass of four channels (blender.md, 8)
+    else:  # 3.4 refuses a flat array for a pass of four channels
         target.rect = list(struct.iter_unpack("<4f", data[: 16 * count]))
 
 

@@ -57,6 +57,5 @@ class ExportContext:
         return name if self._sent_images[name] else None
 
     def cycles(self, owner, name, default):
-        """A setting that the Cycles add-on keeps on `owner`; it may be off, or the setting gone
-        (blender.md, 27)."""
+        """A setting that the Cycles add-on keeps on `owner`; it may be off, or the setting gone."""
         return getattr(getattr(owner, "cycles", None), name, default)

@@ -1,6 +1,5 @@
 """An evaluated mesh into one `mesh` message: foreach_get into arrays, never a loop over vertices.
-Names of the API that changed between Blender 3.4 and 5.x are asked for here only (blender.md, 16
-and 26)."""
+Names of the API that changed between Blender 3.4 and 5.x are asked for here only."""
 
 from array import array
 

@@ -1,6 +1,5 @@
 """Blender's own panels that also make sense for us: all that a plain renderer has, but those we
-replace. COMPAT_ENGINES must not be guessed from EEVEE's name, which changes (blender.md, row
-33)."""
+replace. COMPAT_ENGINES must not be guessed from EEVEE's name, which changes."""
 
 import bpy
 

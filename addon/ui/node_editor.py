@@ -10,7 +10,7 @@ from .base import is_ours
 # What the operator sets on a fresh node of the Add menu, so that it shows something at once.
 _FIRST_LOOK = {"fluorescent": {"dye": "fluorescein_basic-ethanol"}}
 
-# 3.4's own Add menu hides these from engines it does not know (blender.md, row 18).
+# 3.4's own Add menu hides these from engines it does not know.
 _HIDDEN_SHADERS = (
     "ShaderNodeBsdfPrincipled",
     "ShaderNodeBsdfDiffuse",

@@ -13,7 +13,7 @@
 /* CIE 1931 2° colour-matching functions, linear between the 1 nm values, 0 outside 360–830 nm. */
 void cmf_eval(float lambda_nm, float xyz[3]);
 
-/* κ·∫D65·cmf for D65 of unit integral over [lambda_min, lambda_max] has Y = 1: this κ (architecture.md, "Colour and scale"). */
+/* κ·∫D65·cmf for D65 of unit integral over [lambda_min, lambda_max] has Y = 1: this κ (algorithm.md §10). */
 double cmf_normalization(double lambda_min, double lambda_max);
 
 /* CIE D65 at a wavelength, 300–830 nm, linear between the published values, 0 outside. */

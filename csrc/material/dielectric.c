@@ -1,5 +1,5 @@
 /* An interface between vacuum (the side of ng) and a medium of index n(λ): smooth, or rough after Walter et al. 2007 with visible
-   normals. Values carry (n_c/n_l)², because radiance scales by n² across an interface (exact.md §1; Veach 1997, §5.2). */
+   normals. Values carry (n_c/n_l)², because radiance scales by n² across an interface (algorithm.md §7; Veach 1997, §5.2). */
 #include "material/dielectric.h"
 
 #include <stdlib.h>
@@ -27,7 +27,7 @@ static enum dielectric_branches branches(const struct lobe *lobe)
 }
 
 /* Chance of reflection where Fresnel says f. Colours stay out of it: what any wavelength of a run can do must have a positive
-   chance at the leader's (exact.md §4.1). */
+   chance at the leader's (algorithm.md §9). */
 static float reflection_chance(const struct lobe *lobe, float f)
 {
     switch (branches(lobe)) {

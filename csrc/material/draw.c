@@ -101,7 +101,7 @@ static bool draw_fluorescent(const struct draw *d, int index, struct scatter *ou
 }
 
 /* Value and both densities share the δ in projected solid angle of the *light's* direction. For that the light's density, which is
-   drawn in the camera's, takes n² and the ratio of shading to geometric cosines (exact.md §1). */
+   drawn in the camera's, takes n² and the ratio of shading to geometric cosines (algorithm.md §7). */
 static bool draw_delta(const struct draw *d, int index, struct scatter *out)
 {
     const struct surface *s = d->surface;

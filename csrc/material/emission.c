@@ -62,7 +62,7 @@ static bool make_shape(struct material *m, struct compiler *c)
     return true;
 }
 
-/* The white of textured emission, of unit integral over Λ (architecture.md, "Colour and scale"). */
+/* The white of textured emission, of unit integral over Λ (algorithm.md §10). */
 static bool make_white(struct material *m, struct compiler *c)
 {
     bool needed = false;

@@ -1,7 +1,7 @@
 /* Materials: a closure tree as the stream sends it, compiled into lobes; at a hit the lobes become a `surface`, which
    evaluates, samples and gives densities in both transport directions, at any wavelength, as often as asked.
 
-   Measures (exact.md §1): directions have densities per *projected* solid angle about the geometric normal ng, and values
+   Measures (algorithm.md §7): directions have densities per *projected* solid angle about the geometric normal ng, and values
    carry the shading-normal factor |to_light·ns|/|to_light·ng|, so a path's value is ∏ρ·∏G with geometric cosines and
    both directions of transport agree (Veach 1997, §5.3). `to_light` points toward the light's side of the path, `to_camera`
    toward the camera's, both away from the surface.
@@ -25,7 +25,7 @@ enum side { SIDE_LIGHT, SIDE_CAMERA };
 
 #define SURFACE_LOBES 8
 
-/* P_F is at most this wherever there is an elastic part (algorithm.md §4, exact.md §4.1). */
+/* P_F is at most this wherever there is an elastic part (algorithm.md §4, algorithm.md §9). */
 #define FLUORESCENT_CHANCE_MAX 0.8f
 
 /* A colour at a surface: 1, a spectrum, or RGB-upsampled coefficients, times a scale. */
@@ -126,7 +126,7 @@ enum scatter_class { SCATTER_DIFFUSE, SCATTER_GLOSSY, SCATTER_TRANSMISSION, SCAT
 bool surface_sample(const struct surface *, enum side, struct vec3 arriving, float lambda, const float u[4],
                     struct scatter *);
 
-/* A step that was drawn before, evaluated at other wavelengths with its geometry kept (exact.md §2): the label's value ρ and both
+/* A step that was drawn before, evaluated at other wavelengths with its geometry kept (algorithm.md §9): the label's value ρ and both
    densities, as in struct scatter. False where a δ lobe cannot make it at this wavelength. Elastic labels read lambda_arriving alone. */
 struct surface_step {
     float value, pdf, pdf_other;
@@ -140,7 +140,7 @@ bool surface_step_again(const struct surface *, enum side, enum label, int lobe,
 bool surface_elastic_disperses(const struct surface *, struct vec3 a, struct vec3 b);
 enum scatter_class surface_elastic_class(const struct surface *, struct vec3 a, struct vec3 b);
 
-/* The emission and absorption shapes of fluorescent lobe f, for tables over pairs (exact.md, O_YX); borrowed. */
+/* The emission and absorption shapes of fluorescent lobe f, for tables over pairs (algorithm.md §9); borrowed. */
 const struct spectrum *surface_fluorescent_emission(const struct surface *, int f);
 const struct spectrum *surface_fluorescent_absorption(const struct surface *, int f); /* ã, without c */
 /* Index of lobe f's (emission, ã) pair among all of the scene's, given by material_set_fluorophores; −1 before. */

@@ -3,7 +3,7 @@
 #include "material/surface.h"
 
 /* Share of a lobe's chance that does not depend on its colour at this wavelength: what another wavelength of the run can do must
-   have a positive chance at this one's (exact.md §4.1). */
+   have a positive chance at this one's (algorithm.md §9). */
 #define CHANCE_FLOOR 0.02f
 /* The same for mix factors of the angle of view, which light sub-paths do not know. */
 #define VIEW_FLOOR 0.1f

@@ -1,5 +1,5 @@
 /* What lamps and the world emit: a spectrum, and a texture whose colours are upsampled under the working
-   space's white (architecture.md, "Colour and scale"): scale · max(c) · upsample(c/max c) · D65/∫D65, where
+   space's white (algorithm.md §10): scale · max(c) · upsample(c/max c) · D65/∫D65, where
    white is D65. */
 #include "base/error.h"
 #include "scene/state.h"

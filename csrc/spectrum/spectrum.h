@@ -69,7 +69,7 @@ float spectrum_sample(const struct spectrum *, float u, float *pdf);
 float spectrum_pdf(const struct spectrum *, float lambda_nm);
 
 /* A density over Λ, piecewise constant on equal bins, for products of spectra: positive wherever the product is, so
-   what is drawn from it is unbiased (exact.md §2, O_YX). */
+   what is drawn from it is unbiased (algorithm.md §9). */
 struct spectral_histogram {
     struct range range;
     uint32_t count;

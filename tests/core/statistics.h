@@ -1,5 +1,5 @@
 /* Statistics for tests: a claim about a random result is tested with a stated false-alarm rate and a stated
-   error that it would see, never with a tolerance found by trial (style.md §2.16).
+   error that it would see, never with a tolerance found by trial.
 
    The false-alarm budget. The whole suite may cry wolf once in SUITE_FALSE_ALARM⁻¹ choices of seeds. Half of
    that is for the C tests, half for tests/system, and each half is divided equally (Bonferroni) among at most
