@@ -1,4 +1,5 @@
-/* L: emissions. An RGB light is its colour, upsampled, times the white of the working space (algorithm.md §10), so that a white diffuser under it looks as it does in Cycles. */
+/* L: emissions. An RGB light is its colour, upsampled, times the white of the working space (algorithm.md §10), so
+   that a white diffuser under it looks as it does in Cycles. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
