@@ -1,5 +1,5 @@
 """A final render or a material preview of one view layer: from the depsgraph to the Image Editor.
-Whatever goes wrong ends here, as one line; an exception that would write a black file."""
+Whatever goes wrong ends here, as one line; an exception that left render() would write a black file."""
 
 import struct
 import time
