@@ -95,7 +95,7 @@ static void join(const struct integrator *it, struct worker *w, struct joint *jo
     struct choice of_y[CHOICES_MAX], of_x[CHOICES_MAX];
     int y_count = joint_choices(joint->y, of_y), x_count = joint_choices(joint->x, of_x);
     out->count = 0;
-    if (!joint_open(it, w, joint, light, camera))
+    if (!joint_open(w, joint, light, camera))
         return;
     for (int i = 0; i < y_count; i++)
         for (int j = 0; j < x_count; j++) {

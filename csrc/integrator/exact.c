@@ -85,7 +85,7 @@ static void join(const struct integrator *it, struct worker *w, struct joint *jo
     struct choice as_y = light->group->as, as_x = camera->group->as;
     int y_at = joint->s - 1, x_at = joint->t - 1;
     out->count = 0;
-    if (!joint_open(it, w, joint, light->path, camera->path) || !joint_is_allowed(it, joint, as_y, as_x))
+    if (!joint_open(w, joint, light->path, camera->path) || !joint_is_allowed(it, joint, as_y, as_x))
         return;
     if (light->relit) {
         relit_put(light->relit, SIDE_LIGHT, y_at, &joint->path);

@@ -38,10 +38,9 @@ static bool set_edge(struct joint *joint)
     return joint->geometry > 0 && isfinite(joint->geometry);
 }
 
-bool joint_open(const struct integrator *it, const struct worker *w, struct joint *joint,
-                const struct subpath *light, const struct subpath *camera)
+bool joint_open(const struct worker *w, struct joint *joint, const struct subpath *light,
+                const struct subpath *camera)
 {
-    (void)it;
     if (!set_edge(joint))
         return false;
     joint->throughput_y = joint->y->throughput;

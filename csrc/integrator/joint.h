@@ -42,8 +42,7 @@ struct end {
 };
 
 /* Direction, geometry term and the densities of the sub-paths. False if the edge has no length, or is at infinity at both ends. */
-bool joint_open(const struct integrator *, const struct worker *, struct joint *, const struct subpath *light,
-                const struct subpath *camera);
+bool joint_open(const struct worker *, struct joint *, const struct subpath *light, const struct subpath *camera);
 
 /* True if the path with these labels keeps the limits on bounces, and every edge's near end is seen by the kind of ray that leaves its
    far end. */
