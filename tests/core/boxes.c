@@ -262,6 +262,8 @@ struct scene *box_scene(struct range range, bool lenses, int pixels)
     box_add_quad(scene, "lamp", "lamp", lamp);
     box_add_sphere(scene, "ball", "glass", lenses ? (float[3]){0, 0, 0.5f} : (float[3]){0.3f, 0.3f, -0.5f},
                    lenses ? 0.35f : 0.4f);
+    if (lenses)
+        box_add_sphere(scene, "lens", "glass", (float[3]){0, -0.45f, 0}, 0.3f);
     commit(scene, range);
     return scene;
 }

@@ -24,7 +24,7 @@ struct scene *hidden_lamp_scene(struct range, int pixels);
 struct scene *world_scene(struct range, float radiance_per_nm, int pixels);
 
 /* A closed unit box, floor and right wall fluorescent, the rest grey, a square lamp under the ceiling, the camera in the middle of
-   the front. With `lenses`, the lamp hangs inside a ball of dispersive glass. Committed. */
+   the front. With `lenses`, the lamp hangs inside a ball of dispersive glass, and the camera looks through another. Committed. */
 struct scene *box_scene(struct range, bool lenses, int pixels);
 
 #endif
