@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -29,6 +30,8 @@ static const char help[] =
     "      --seed N             another set of random numbers\n"
     "  -t, --threads N          0: all processors\n"
     "      --time-limit S       start no pass that would end later than so many seconds\n"
+    "      --snapshots          also OUT-00001, OUT-00002, OUT-00004 …: after so many samples of each pixel,\n"
+    "                           with the bits that a render of so many gives\n"
     "  -q, --quiet              no progress, no report\n"
     "  -h, --help\n"
     "\n"
@@ -41,7 +44,7 @@ struct job {
     const char *scene, *output[OUTPUTS_MAX];
     size_t outputs;
     stokes_overrides overrides;
-    bool quiet, shows_help;
+    bool snapshots, quiet, shows_help;
 };
 
 static atomic_bool interrupted; /* a signal handler has nothing else to write to */
@@ -104,7 +107,8 @@ enum {
     OPTION_SHRINK,
     OPTION_BINS,
     OPTION_SEED,
-    OPTION_TIME_LIMIT
+    OPTION_TIME_LIMIT,
+    OPTION_SNAPSHOTS
 };
 
 static const struct option options[] = {
@@ -120,6 +124,7 @@ static const struct option options[] = {
     {"seed", required_argument, NULL, OPTION_SEED},
     {"threads", required_argument, NULL, 't'},
     {"time-limit", required_argument, NULL, OPTION_TIME_LIMIT},
+    {"snapshots", no_argument, NULL, OPTION_SNAPSHOTS},
     {"quiet", no_argument, NULL, 'q'},
     {"help", no_argument, NULL, 'h'},
     {0},
@@ -189,6 +194,7 @@ static bool read_option(int option, struct job *job)
     case OPTION_SHRINK: return cli_number(optarg, 0, 1, &o->shrink);
     case OPTION_BINS: return read_bins(optarg, o);
     case OPTION_SEED: return cli_whole(optarg, 0, UINT32_MAX, &o->seed);
+    case OPTION_SNAPSHOTS: job->snapshots = true; return true;
     case OPTION_TIME_LIMIT: return cli_number(optarg, 0, 1e9, &o->time_limit_s);
     }
     return false;
@@ -228,6 +234,29 @@ static int read_options(int argc, char **argv, struct job *job)
 
 /* --- The job ----------------------------------------------------------------------------------------------- */
 
+/* out.exr → out-00004.exr */
+static bool write_snapshot(stokes_session *session, const char *output, int samples, stokes_error *err)
+{
+    const char *dot = strrchr(output, '.');
+    char *path;
+    if (asprintf(&path, "%.*s-%05d%s", (int)(dot - output), output, samples, dot) < 0) {
+        snprintf(err->text, sizeof err->text, "out of memory");
+        return false;
+    }
+    bool good = stokes_session_write(session, path, err);
+    free(path);
+    return good;
+}
+
+static bool on_snapshot(void *user, stokes_session *session, int samples, stokes_error *err)
+{
+    const struct job *job = user;
+    for (size_t i = 0; i < job->outputs; i++)
+        if (!write_snapshot(session, job->output[i], samples, err))
+            return false;
+    return true;
+}
+
 static bool run(stokes_session *session, const struct job *job, stokes_error *err)
 {
     if (!stokes_session_load(session, job->scene, err) ||
@@ -254,8 +283,11 @@ int cli_render(int argc, char **argv)
         fputs(help, stdout);
         return 0;
     }
-    const stokes_listener listener = {
-        .warning = on_warning, .progress = job.quiet ? NULL : on_progress, .cancelled = on_cancelled};
+    const stokes_listener listener = {.user = &job,
+                                      .warning = on_warning,
+                                      .progress = job.quiet ? NULL : on_progress,
+                                      .cancelled = on_cancelled,
+                                      .snapshot = job.snapshots ? on_snapshot : NULL};
     struct sigaction action = {.sa_handler = on_interrupt};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);

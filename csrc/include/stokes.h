@@ -35,6 +35,9 @@ typedef struct stokes_listener {
     void (*tile)(void *user, const int rect[4], int samples);
     /* Asked between passes and between small units of work, from any worker thread. True stops the render. */
     bool (*cancelled)(void *user);
+    /* The film holds 1, 2, 4, 8 … samples of each pixel, exactly as a render of so many ends. For the call it
+       may be written (stokes_session_write); false with *err ends the render. Not NULL: passes end at these. */
+    bool (*snapshot)(void *user, stokes_session *, int samples, stokes_error *err);
 } stokes_listener;
 
 /* A session holds one scene and renders it. `listener` is copied. */

@@ -138,6 +138,32 @@ static bool merge_batch(struct render *render, int passes, stokes_error *err)
     return true;
 }
 
+/* The sample at which a batch has to end: the last, or that of the next snapshot, 2^k samples from the first. */
+static int next_stop(const struct render *render)
+{
+    int samples = render->end_sample - render->first_sample,
+        traced = render->film->end_sample - render->first_sample;
+    int64_t stop = 1;
+    if (!render->session->listener.snapshot)
+        return render->end_sample;
+    while (stop <= traced)
+        stop *= 2;
+    return stop < samples ? render->first_sample + (int)stop : render->end_sample;
+}
+
+/* The film is the session's for the call, so that it can be written as after a render. */
+static bool take_snapshot(struct render *render, stokes_error *err)
+{
+    stokes_session *session = render->session;
+    int samples = render->film->end_sample - render->first_sample;
+    if (!session->listener.snapshot || (samples & (samples - 1)) != 0)
+        return true;
+    session->film = render->film;
+    bool good = session->listener.snapshot(session->listener.user, session, samples, err);
+    session->film = NULL;
+    return good;
+}
+
 /* How many passes next: enough that merging costs little, few enough that a cancel loses little and a limit is kept. */
 static int batch_passes(const struct render *render, int last, double pass_s)
 {
@@ -146,7 +172,7 @@ static int batch_passes(const struct render *render, int last, double pass_s)
     if (limit > 0)
         target = fmin(target, limit - (os_seconds() - render->start));
     double fits = fmin(target / fmax(pass_s, 1e-9), 2.0 * last);
-    int left = render->end_sample - render->film->end_sample;
+    int left = next_stop(render) - render->film->end_sample;
     return fits >= left ? left : fits < 1 ? 1 : (int)fits;
 }
 
@@ -176,6 +202,8 @@ static bool trace_passes(struct render *render, stokes_error *err)
         if (!merge_batch(render, passes, err))
             return false;
         pass_s = (os_seconds() - before) / passes;
+        if (!take_snapshot(render, err))
+            return false;
         int samples = render->film->end_sample - render->first_sample;
         if (render->film->end_sample < render->end_sample && os_seconds() > render->refresh_at)
             refresh_picture(render, render->film, samples, samples);
@@ -271,10 +299,8 @@ static void finish(struct render *render)
     stokes_session *session = render->session;
     session->seconds = os_seconds() - render->start;
     session->cancelled = atomic_load(&render->stopped);
-    session->rendered = render->settings;
     session->film = render->film;
     render->film = NULL;
-    session_fingerprint(session, &session->rendered, session->fingerprint);
     session_write_report(session);
     if (!session->film)
         return;
@@ -309,6 +335,8 @@ bool stokes_session_render(stokes_session *session, const stokes_overrides *over
     /* The last picture goes first: with spectral bins a film is large. */
     film_destroy(session->film);
     session->film = NULL;
+    session->rendered = render.settings;
+    session_fingerprint(session, &session->rendered, session->fingerprint);
     bool good = !committed || trace(&render, picture_floats, err);
     if (good)
         finish(&render);
