@@ -212,3 +212,33 @@ bool surface_step_again(const struct surface *s, enum side side, enum label labe
     }
     return false;
 }
+
+void surface_steps(const struct surface *s, enum side side, enum label label, int which,
+                   struct vec3 arriving, struct vec3 leaving, int lanes, const float lambda_arriving[],
+                   const float lambda_leaving[], struct surface_steps *out)
+{
+    for (int i = 0; i < lanes; i++) {
+        struct surface_step step = {0};
+        surface_step_again(s, side, label, which, arriving, leaving, lambda_arriving[i], lambda_leaving[i],
+                           &step);
+        out->value[i] = step.value;
+        out->pdf[i] = step.pdf;
+        out->pdf_other[i] = step.pdf_other;
+    }
+}
+
+float surface_sample_lambda(const struct surface *s, enum side side, int f, float lambda_arriving, float u,
+                            float *pdf)
+{
+    (void)lambda_arriving;
+    const struct fluorophore *dye = lobe_fluorophore(&s->lobe[s->fluorescent[f]]);
+    return spectrum_sample(side == SIDE_CAMERA ? dye->reradiation : dye->emission, u, pdf);
+}
+
+float surface_pdf_lambda(const struct surface *s, enum side side, int f, float lambda_arriving,
+                         float lambda_leaving)
+{
+    (void)lambda_arriving;
+    const struct fluorophore *dye = lobe_fluorophore(&s->lobe[s->fluorescent[f]]);
+    return spectrum_pdf(side == SIDE_CAMERA ? dye->reradiation : dye->emission, lambda_leaving);
+}

@@ -14,6 +14,7 @@
 #ifndef MATERIAL_MATERIAL_H
 #define MATERIAL_MATERIAL_H
 
+#include "base/lanes.h"
 #include "base/vec.h"
 #include "image/texture.h"
 #include "spectrum/spectrum.h"
@@ -134,6 +135,20 @@ struct surface_step {
 bool surface_step_again(const struct surface *, enum side, enum label, int lobe, struct vec3 arriving,
                         struct vec3 leaving, float lambda_arriving, float lambda_leaving,
                         struct surface_step *);
+
+/* The same for a bundle of wavelengths; 0 where a δ lobe cannot make the step. */
+struct surface_steps {
+    float value[LANES_MAX], pdf[LANES_MAX], pdf_other[LANES_MAX];
+};
+void surface_steps(const struct surface *, enum side, enum label, int lobe, struct vec3 arriving,
+                   struct vec3 leaving, int lanes, const float lambda_arriving[],
+                   const float lambda_leaving[], struct surface_steps *);
+
+/* The wavelength that a sub-path of `side` draws at fluorescent lobe f, from a uniform number; and its density. */
+float surface_sample_lambda(const struct surface *, enum side, int f, float lambda_arriving, float u,
+                            float *pdf);
+float surface_pdf_lambda(const struct surface *, enum side, int f, float lambda_arriving,
+                         float lambda_leaving);
 
 /* Properties of an elastic passage from one direction to another, the same for both sides of transport: whether the lobe's directions depend
    on the wavelength, and which of Cycles' bounce limits counts it. */
