@@ -3,6 +3,8 @@ Also the size of the picture and of the border within it."""
 
 import math
 
+from mathutils import Matrix
+
 
 def resolution(scene):
     """Size of the full frame in pixels."""
@@ -47,11 +49,21 @@ def send_camera(shown, size, rectangle, context):
 
 
 def rigid(matrix):
-    """Without scale: Blender ignores that of a camera, and a light's is in its size."""
-    location, rotation, _ = matrix.decompose()
-    rigid = rotation.to_matrix().to_4x4()
-    rigid.translation = location
-    return rigid
+    """Without scale: Blender ignores that of a camera, and a light's is in its size. Mirrored it
+    stays, unlike in what decompose() returns: there a mirrored camera looks backwards."""
+    axes = [_unit(matrix.col[i]) for i in range(3)]
+    if None in axes:  # flattened: any direction does that fits the others
+        _, rotation, _ = matrix.decompose()
+        axes = [rotation.to_matrix().col[i] for i in range(3)]
+    columns = [(*axis, 0.0) for axis in axes] + [matrix.col[3]]
+    return Matrix(columns).transposed()
+
+
+def _unit(column):
+    """In double precision, so that every Blender rounds alike; None for nothing."""
+    x, y, z = column[:3]
+    length = math.sqrt(x * x + y * y + z * z)
+    return (x / length, y / length, z / length) if length > 0 else None
 
 
 def flat(matrix):

@@ -16,6 +16,8 @@ FAKE_CORE = ROOT / "tests" / "addon" / "fake_core.py"
 INSIDE = ROOT / "tests" / "addon" / "inside.py"
 SECONDS = 60
 MARK = "TOLD "
+NAMES = ["3.4", "4.2", "4.5", "5.0", "5.2"]
+NEWEST = "newest"
 
 sys.path.insert(0, str(ROOT))
 
@@ -69,6 +71,17 @@ def _command(name):
     return blenders.blender(name).command[:1]  # as plain Python: how a module leaves is tested too
 
 
+def newest():
+    """The newest that can be had; 5.1 and later need a Python that not every system has."""
+    missing = []
+    for name in reversed(NAMES):
+        try:
+            return Host(name, _command(name))
+        except blenders.Missing as why:
+            missing.append(str(why))
+    pytest.skip("; ".join(missing))
+
+
 def host_named(name):
     try:
         return Host(name, _command(name))
@@ -76,6 +89,11 @@ def host_named(name):
         pytest.skip(str(missing))
 
 
-@pytest.fixture(params=["3.4", "4.2", "4.5", "5.0"])
+@pytest.fixture(params=NAMES)
 def host(request):
-    return host_named(request.param)
+    """Every Blender, each a test of its own: for what Blender's versions do differently."""
+    return newest() if request.param == NEWEST else host_named(request.param)
+
+
+# The oldest and the newest alone: for what is the add-on's own, where a Blender between the two can say no more.
+oldest_and_newest = pytest.mark.parametrize("host", [NAMES[0], NEWEST], indirect=True)

@@ -5,6 +5,8 @@ import subprocess
 
 import pytest
 
+from hosts import oldest_and_newest
+
 RAMP = """
 def error_of_ramp(told, full, border=None):
     width, height, values = told
@@ -92,6 +94,7 @@ tell(sorted(messages(stream.read(os.path.join(TMP, name)), "render")[0]["layer"]
     assert told == ["Second", "ViewLayer"]
 
 
+@oldest_and_newest
 def test_an_animation_renders_each_frame_at_its_time(host, tmp_path):
     told = host.run(
         """
@@ -145,6 +148,7 @@ tell([told])
         assert expected in said and is_written == (not fault), fault
 
 
+@oldest_and_newest
 def test_a_missing_core_is_one_error(host, tmp_path):
     told = host.run(
         """
@@ -161,6 +165,7 @@ except RuntimeError as error:
     assert "$STOKES_CORE names no file: /nowhere/stokes" in told
 
 
+@oldest_and_newest
 def test_strict_makes_a_warning_an_error(host, tmp_path):
     told = host.run(
         """
@@ -270,6 +275,7 @@ def test_a_process_with_the_engine_registered_exits_clean(host, tmp_path):
     assert host.run("empty_scene(); bpy.ops.render.render(); tell(1)", tmp_path, status=0) == 1
 
 
+@oldest_and_newest
 def test_blender_outlives_a_core_killed_at_any_moment(host, tmp_path):
     """Thirty kills at random moments from start to end; each render ends well or with one error,
     and nothing is left: no process, no descriptor."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hosts import ROOT
+from hosts import ROOT, oldest_and_newest
 
 
 def test_a_quad_arrives_with_its_positions_corners_and_material(host, tmp_path):
@@ -77,6 +77,7 @@ tell([[layer["name"] for layer in members["uv"]], list(array("f", bytes(area[at:
     assert told == [["second", "first"], [0, 20, 1, 20, 2, 20, 3, 20]]
 
 
+@oldest_and_newest
 def test_linked_duplicates_share_one_mesh_and_modified_ones_do_not(host, tmp_path):
     told = host.run(
         """
@@ -205,6 +206,7 @@ tell({m["name"]: [[ray for ray, seen in m["visible"].items() if not seen], m["ho
     }
 
 
+@oldest_and_newest
 def test_slots_follow_their_link_and_high_indices_take_the_last(host, tmp_path):
     told = host.run(
         """
@@ -232,6 +234,7 @@ tell([{m["name"]: m["materials"] for m in messages(frames, "instances")},
     assert materials == ["data", "object", "only", "other"] and indices == [0, 1]
 
 
+@oldest_and_newest
 def test_what_has_no_faces_is_left_out_and_what_is_not_rendered_is_named(host, tmp_path):
     done = host.start(
         """
@@ -281,6 +284,7 @@ tell([len(messages(frames, "mesh")), [m["materials"] for m in instances],
     assert meshes == 1 and places == [9] and materials[index] == "Inner"
 
 
+@oldest_and_newest
 def test_the_real_core_takes_what_artists_leave_lying_about(host, tmp_path):
     """Flat, mirrored and empty things, strange names: no error, and a picture."""
     if not (ROOT / "build" / "stokes").exists():

@@ -5,6 +5,8 @@ import math
 
 import pytest
 
+from hosts import oldest_and_newest
+
 CAMERA = """
 from bpy_extras.object_utils import world_to_camera_view
 POINTS = [Vector(p) for p in ((0, 0, 0), (0.5, 0.3, 0.2), (-1, 1, 1))]
@@ -37,6 +39,7 @@ CAMERAS = [
     [[16, 8], "camera.shift_x = 0.3; camera.shift_y = -0.2"],
     [[16, 8], "camera.type = 'ORTHO'; camera.ortho_scale = 7; camera.shift_x = 0.1"],
     [[16, 16], "scene.render.pixel_aspect_x = 2"],
+    [[16, 8], "scene.camera.matrix_world = place @ turn @ Matrix.Diagonal((-1, 1, 2, 1))"],
 ]
 
 
@@ -48,6 +51,7 @@ def test_points_project_where_blender_projects_them(host, tmp_path):
             assert ours == pytest.approx(blenders, abs=1e-5), code
 
 
+@oldest_and_newest
 def test_border_resolution_and_lens_are_in_pixels_and_metres(host, tmp_path):
     members = host.run(
         """
@@ -71,6 +75,7 @@ tell(messages(render_frames(), "camera")[0])
     assert members["blades"] == 6 and members["aspect"] == pytest.approx(1.5)
 
 
+@oldest_and_newest
 def test_a_panoramic_camera_is_named_in_a_warning(host, tmp_path):
     done = host.start(
         "empty_scene().camera.data.type = 'PANO'; tell(len(render_frames()))", tmp_path
@@ -163,19 +168,24 @@ def test_lights_give_the_irradiance_that_cycles_of_the_same_blender_renders(host
         assert irradiance(light) == pytest.approx(cycles, rel=4e-3), (kind, values)
 
 
+@oldest_and_newest
 def test_lights_shine_along_their_axis_and_unsupported_settings_are_named(host, tmp_path):
     done = host.start(
         """
 scene = empty_scene()
 light = bpy.data.lights.new("Lamp", 'AREA')
 light.spread = 1
-add("Lamp", light, (1, 2, 3)).rotation_euler = (math.pi / 2, 0, 0)
-tell(messages(render_frames(), "light")[0])
+for name, scale in (("Lamp", 1), ("Mirrored", -1)):
+    shown = add(name, light, (1, 2, 3))
+    shown.rotation_euler, shown.scale.x = (math.pi / 2, 0, 0), scale
+tell([[light["kind"], light["transform"][2::4]] for light in messages(render_frames(), "light")])
 """,
         tmp_path,
     )
     assert "Lamp: spread: is not rendered" in done.stdout
-    assert '"kind": "rectangle"' in done.stdout
+    told = next(line for line in done.stdout.splitlines() if line.startswith("TOLD "))
+    for kind, z_axis in json.loads(told[len("TOLD ") :]):
+        assert kind == "rectangle" and z_axis == pytest.approx([0, -1, 0], abs=1e-6)
 
 
 def test_the_colour_config_is_the_running_blenders_and_white_is_d65(host, tmp_path):
@@ -211,6 +221,7 @@ tell([messages(frames, "color")[0], messages(frames, "settings")[0]])
     assert settings["threads"] == 0  # in the background all processors
 
 
+@oldest_and_newest
 def test_ocio_of_the_environment_wins_as_in_blender(host, tmp_path):
     color = host.run(
         """
@@ -268,6 +279,7 @@ tell([[frame[1] for frame in out.frames]])
     assert sheer["pixels"] == pytest.approx([0.2, 0.4, 0.6, 0.5])
 
 
+@oldest_and_newest
 def test_an_image_without_pixels_is_named(host, tmp_path):
     told = host.run(
         IMAGES

@@ -7,7 +7,7 @@ import zlib
 
 import pytest
 
-from hosts import ROOT
+from hosts import ROOT, oldest_and_newest
 
 CORE = ROOT / "build" / "stokes"
 
@@ -98,6 +98,7 @@ tell([kept["fluorescent"].dye, kept["fluorescent"].absorbance, kept["dispersive_
     assert found == ["rhodamine-6g_ethanol", 1.5, "CAUCHY", pytest.approx(0.0125)]
 
 
+@oldest_and_newest
 def test_a_copy_goes_its_own_way_once_it_is_edited(host, tmp_path):
     found = tell(host, tmp_path, """
 def inside(node):
@@ -114,6 +115,7 @@ tell([same, first.label, twin.label, inside(first) == before, inside(twin) == be
     assert found == [True, "Red", "Blue", True, False, "colorchecker/red", "colorchecker/blue"]
 
 
+@oldest_and_newest
 def test_a_group_added_by_hand_is_known_by_its_tree(host, tmp_path):
     found = tell(host, tmp_path, """
 made = nodes.new(tree, "conductor", metal="Cu")
@@ -124,6 +126,7 @@ tell([nodes.kind_of(by_hand).name, nodes.settings_of(by_hand).metal, by_hand.sto
     assert found == ["conductor", "Cu", ""]
 
 
+@oldest_and_newest
 def test_a_wrong_setting_is_an_error_that_leaves_nothing_behind(host, tmp_path):
     found = tell(host, tmp_path, """
 before = len(tree.nodes), len(bpy.data.node_groups)
@@ -140,6 +143,7 @@ tell([told, before == (len(tree.nodes), len(bpy.data.node_groups))])
     assert found == [["TypeError", "AttributeError", "KeyError", "KeyError"], True]
 
 
+@oldest_and_newest
 def test_a_table_is_read_whatever_parts_its_columns_and_stays_in_the_file(host, tmp_path):
     (tmp_path / "good.csv").write_text("nm;percent;other\n# a title\n700;50;1\n400;10;2\n\n500,5;90;3\n".replace(",5", ""))
     (tmp_path / "twice.csv").write_text("400 1\n400 2\n")
@@ -163,6 +167,7 @@ tell(told)
     assert found[5] == "No such file or directory"
 
 
+@oldest_and_newest
 def test_numbers_of_menu_entries_are_unique_and_do_not_depend_on_their_order(host, tmp_path):
     found = tell(host, tmp_path, """
 from addon.nodes import library, fluorescent
@@ -188,6 +193,7 @@ def test_the_menus_list_what_the_core_knows():
         assert library["entries"][name] == pytest.approx(values, rel=1e-4, abs=1e-6), name
 
 
+@oldest_and_newest
 def test_the_swatches_are_colours_of_the_spectra(host, tmp_path):
     found = tell(host, tmp_path, """
 from addon.nodes import library, conductor

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from hosts import ROOT
+from hosts import ROOT, oldest_and_newest
 
 CORE = ROOT / "build" / "stokes"
 SCENES = {
@@ -30,6 +30,7 @@ print("MEAN", sum(values[0::4]) / image.size[0] / image.size[1], sum(values[1::4
 
 @pytest.mark.skipif(not CORE.exists(), reason="the core is not built")
 @pytest.mark.parametrize("script", SCENES)
+@oldest_and_newest
 def test_a_scene_script_writes_its_picture_and_its_scene_file(host, tmp_path, script):
     name, more = SCENES[script]
     launch = tmp_path / "launch.py"

@@ -2,6 +2,8 @@
 
 import pytest
 
+from hosts import oldest_and_newest
+
 TOOLS = """
 from addon import nodes
 from addon.export import nodes as translation
@@ -309,6 +311,7 @@ def test_constants_are_computed_as_cycles_computes_them(host, tmp_path):
         assert own == pytest.approx([max(0, v) for v in theirs], abs=2e-3 if name != "blackbody" else 0.03), name
 
 
+@oldest_and_newest
 def test_factors_that_vary_may_be_scaled_and_shifted(host, tmp_path):
     found = tell(host, tmp_path, """
 def math_of(operation, *values):
@@ -374,6 +377,7 @@ tell(told)
     assert [warning[1] for warning in found[6]] == ["its factor cannot vary here; half of each is used"]
 
 
+@oldest_and_newest
 def test_a_surface_with_too_many_lobes_is_cut_to_its_stronger_parts(host, tmp_path):
     found = tell(host, tmp_path, """
 def leaves(closure):
@@ -466,6 +470,7 @@ tell(told)
     assert found[3] == []
 
 
+@oldest_and_newest
 def test_worlds_that_hide_behind_another_light_the_scene(host, tmp_path):
     """Is Camera Ray mixes what is seen with what lights: the light is kept, and the node named."""
     found = tell(host, tmp_path, """

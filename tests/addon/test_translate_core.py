@@ -2,7 +2,7 @@
 
 import pytest
 
-from hosts import ROOT
+from hosts import ROOT, oldest_and_newest
 
 CORE = ROOT / "build" / "stokes"
 
@@ -88,6 +88,7 @@ tell([count, len(kinds)])
 
 @pytest.mark.skipif(not CORE.exists(), reason="the core is not built")
 @pytest.mark.parametrize("values", ["(None, 0.0)", "(-3.0, 1e6)"])
+@oldest_and_newest
 def test_the_core_takes_whatever_a_node_may_say(host, tmp_path, values):
     """A frame that the core refuses ends the render with an error that names the material."""
     count, kinds = host.run(SCENE.replace("VALUES", values), tmp_path, env={"STOKES_CORE": str(CORE)})

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from hosts import INSIDE, ROOT
+from hosts import INSIDE, ROOT, oldest_and_newest
 
 WINDOW = """
 import traceback
@@ -103,6 +103,7 @@ tell(told)
     assert found[0] > 50 and found[1:4] == [0, False, False] and found[4:] == [found[0], True]
 
 
+@oldest_and_newest
 def test_every_setting_reaches_the_stream_as_it_was_typed(host, tmp_path):
     found = host.run("""
 from addon import properties
@@ -125,6 +126,7 @@ tell(told)
     assert found[2] == "/x/a_005.stokes"
 
 
+@oldest_and_newest
 def test_presets_set_what_they_say(host, tmp_path):
     found = host.run("""
 from addon import properties
@@ -139,6 +141,7 @@ tell(told)
     assert found == [True] * 5
 
 
+@oldest_and_newest
 def test_the_check_lists_what_will_not_be_rendered_as_in_cycles(host, tmp_path):
     found = host.run("""
 from addon.ui import report
