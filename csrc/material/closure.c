@@ -43,6 +43,7 @@ void closure_destroy(struct closure *c)
         color_node_destroy(c->color[i]);
     for (int i = 0; i < CLOSURE_VALUES; i++)
         value_node_destroy(c->value[i]);
+    reradiation_destroy(c->matrix);
     free(c->normal_map);
     free(c);
 }

@@ -3,6 +3,7 @@
 #define MATERIAL_CLOSURE_H
 
 #include "material/material.h"
+#include "spectrum/reradiation.h"
 
 /* V of STREAM.md. A node owns its children. */
 enum value_kind {
@@ -60,6 +61,7 @@ struct bsdf_signature {
     double number_defaults[4];
     bool takes_ior,
         takes_metal; /* `ior`; `metal` stands for color "eta" and "k" from the library ("metal/Ag/eta") */
+    bool takes_matrix; /* `matrix`, which it must have */
 };
 const struct bsdf_kind *bsdf_kind_find(const char *name); /* NULL: unknown */
 const struct bsdf_signature *bsdf_kind_signature(const struct bsdf_kind *);
@@ -75,6 +77,7 @@ struct closure {
     int option[4];                            /* in the order of the kind's option_names */
     double number[4];                         /* in the order of the kind's number_names */
     struct ior ior;
+    struct reradiation *matrix; /* owned */
     struct texture *normal_map;
     float normal_strength;
 };
@@ -110,5 +113,8 @@ int material_fluorophore_count(const struct material *);
 void material_set_fluorophores(struct material *, int first);
 const struct spectrum *material_fluorophore_emission(const struct material *, int index);
 const struct spectrum *material_fluorophore_absorption(const struct material *, int index);
+/* As surface_pdf_emitted and surface_pdf_absorbed. */
+float material_fluorophore_pdf(const struct material *, int index, enum side, float lambda_in,
+                               float lambda_out);
 
 #endif

@@ -127,6 +127,8 @@ static bool compile_bsdf(struct compiler *c, const struct closure *closure)
             return false;
     for (int i = 0; i < CLOSURE_VALUES; i++)
         check_value(c, closure, i);
+    if (closure->bsdf->signature.takes_matrix && !closure->matrix)
+        return compiler_fail(c, "matrix", "is missing");
     return closure->bsdf->compile(c, closure);
 }
 
@@ -292,4 +294,12 @@ const struct spectrum *material_fluorophore_emission(const struct material *m, i
 const struct spectrum *material_fluorophore_absorption(const struct material *m, int index)
 {
     return fluorophore(m, index)->reradiation;
+}
+
+float material_fluorophore_pdf(const struct material *m, int index, enum side side, float lambda_in,
+                               float lambda_out)
+{
+    const struct fluorophore *f = fluorophore(m, index);
+    return side == SIDE_LIGHT ? fluorophore_pdf(f, side, lambda_in, lambda_out)
+                              : fluorophore_pdf(f, side, lambda_out, lambda_in);
 }

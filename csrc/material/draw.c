@@ -83,8 +83,8 @@ static bool draw_fluorescent(const struct draw *d, int index, struct scatter *ou
     bool camera = d->side == SIDE_CAMERA;
     int f = index_among(s->fluorescent, index);
     struct vec3 leaving;
-    float pdf, lambda = spectrum_sample(camera ? dye->reradiation : dye->emission, d->u[1], &pdf);
-    if (!draw_direction(d, lobe, &leaving))
+    float pdf, lambda = fluorophore_sample(dye, d->side, d->lambda, d->u[1], &pdf);
+    if (!(pdf > 0) || !draw_direction(d, lobe, &leaving))
         return false;
     *out = (struct scatter){
         .label = LABEL_FLUORESCENT,

@@ -11,18 +11,6 @@ enum { CONCENTRATION };
 /* A clamp of Q is worth a warning if it takes away more than this share of what would be re-emitted. */
 #define CLAMP_NOTICED 1e-3
 
-static void fluorophore_destroy(void *data)
-{
-    struct fluorophore *f = data;
-    if (!f)
-        return;
-    spectrum_destroy(f->absorption);
-    spectrum_destroy(f->reradiation);
-    spectrum_destroy(f->emission);
-    spectrum_destroy(f->reflected);
-    free(f);
-}
-
 /* --- The elastic lobe ------------------------------------------------------------------------------------ */
 
 static float elastic_albedo(const struct lobe *lobe, float z, float lambda)
@@ -70,15 +58,7 @@ static bool shade_elastic(const struct lobe_plan *plan, const struct inputs *in,
     return true;
 }
 
-/* --- The fluorescent lobe: surface.c knows its wavelengths; its directions are cosine-distributed ------------ */
-
-static const struct lobe_kind lobe_fluorescent = {
-    .name = "fluorescent",
-    .nature = LOBE_FLUORESCENT,
-    .reflects_as = SCATTER_DIFFUSE,
-    .pdf = diffuse_pdf,
-    .sample = diffuse_sample,
-};
+/* --- The fluorescent lobe -------------------------------------------------------------------------------- */
 
 static bool shade_fluorescent(const struct lobe_plan *plan, const struct inputs *in, struct lobe *lobe)
 {

@@ -3,11 +3,11 @@
 
 #include "material/lobe.h"
 
-extern const struct bsdf_kind bsdf_diffuse, bsdf_fluorescent, bsdf_dielectric, bsdf_conductor, bsdf_glossy,
-    bsdf_transparent, bsdf_translucent, bsdf_principled;
+extern const struct bsdf_kind bsdf_diffuse, bsdf_fluorescent, bsdf_reradiation_matrix, bsdf_dielectric,
+    bsdf_conductor, bsdf_glossy, bsdf_transparent, bsdf_translucent, bsdf_principled;
 
 static const struct bsdf_kind *const kinds[] = {
-    &bsdf_diffuse, &bsdf_fluorescent, &bsdf_dielectric,  &bsdf_conductor,
+    &bsdf_diffuse, &bsdf_fluorescent,  &bsdf_reradiation_matrix, &bsdf_dielectric,  &bsdf_conductor,
     &bsdf_glossy,  &bsdf_transparent, &bsdf_translucent, &bsdf_principled,
 };
 

@@ -49,7 +49,7 @@ struct lobe_kind {
 };
 
 /* Not `static` where another file makes lobes of the kind, too. */
-extern const struct lobe_kind lobe_diffuse, lobe_dielectric, lobe_smooth_dielectric;
+extern const struct lobe_kind lobe_diffuse, lobe_fluorescent, lobe_dielectric, lobe_smooth_dielectric;
 
 /* Cosine-distributed diffuse reflection on the arriving side, shared by several kinds. */
 float diffuse_pdf(const struct lobe *, enum side, struct vec3 arriving, struct vec3 leaving, float lambda);
@@ -156,14 +156,25 @@ static inline float alpha_of_roughness(float roughness)
 
 /* --- Fluorophores ---------------------------------------------------------------------------------------- */
 
+/* What is re-emitted: ã(λi) e(λo), or a matrix. Of a matrix `reradiation` and `emission` are the marginals. */
 struct fluorophore {
-    struct spectrum *absorption;  /* a */
-    struct spectrum *reradiation; /* ã = a Q */
+    struct spectrum *absorption;  /* a; NULL of a matrix */
+    struct spectrum *reradiation; /* ã = a Q; the share of what arrives that is re-emitted in Λ */
     struct spectrum *emission;    /* ∫e = 1 over Λ */
     struct spectrum *reflected;   /* r a, for ∫ r (1 − c a); NULL if r is textured */
     double strength;              /* A = ∫ã, nm */
+    struct band_table *bands;     /* NULL: separable */
     int index;                    /* among the scene's; −1 before material_set_fluorophores */
 };
+void fluorophore_destroy(void *);
+
+/* Re-emitted share per nm: ã(λi) e(λo). */
+float fluorophore_value(const struct fluorophore *, float lambda_in, float lambda_out);
+/* ∫ of the value over the other wavelength: what goes on, of what arrives from `side` with this one. */
+float fluorophore_strength(const struct fluorophore *, enum side, float lambda);
+/* The new wavelength of a sub-path from `side`, drawn in proportion to the value; *pdf = 0 where there is none. */
+float fluorophore_sample(const struct fluorophore *, enum side, float lambda_arriving, float u, float *pdf);
+float fluorophore_pdf(const struct fluorophore *, enum side, float lambda_arriving, float lambda_leaving);
 
 /* --- Values ---------------------------------------------------------------------------------------------- */
 

@@ -92,7 +92,8 @@ void material_shade(const struct material *, const struct hit *, struct vec3 vie
 
 /* Value ρ of all elastic lobes of finite density, sr⁻¹. */
 float surface_elastic(const struct surface *, struct vec3 to_light, struct vec3 to_camera, float lambda);
-/* Value of fluorescent lobe f (an index in 0 … fluorescent_count − 1), sr⁻¹ nm⁻¹: c ã(λi) e(λo)/π for JHD18. */
+/* Value of fluorescent lobe f (an index in 0 … fluorescent_count − 1), sr⁻¹ nm⁻¹: c ã(λi) e(λo)/π for JHD18, an entry of the matrix
+   over its band's width and π for a reradiation matrix. */
 float surface_fluorescent(const struct surface *, int f, struct vec3 to_light, struct vec3 to_camera,
                           float lambda_in, float lambda_out);
 
@@ -155,7 +156,13 @@ float surface_pdf_lambda(const struct surface *, enum side, int f, float lambda_
 bool surface_elastic_disperses(const struct surface *, struct vec3 a, struct vec3 b);
 enum scatter_class surface_elastic_class(const struct surface *, struct vec3 a, struct vec3 b);
 
-/* The emission and absorption shapes of fluorescent lobe f, for tables over pairs (algorithm.md §9); borrowed. */
+/* The density of λo when a light sub-path draws it at lobe f, given λi, and that of λi when a camera sub-path draws it, given λo. Of a
+   separable lobe they are its shapes; of a matrix they depend on both, and are 0 where nothing is re-emitted. */
+float surface_pdf_emitted(const struct surface *, int f, float lambda_in, float lambda_out);
+float surface_pdf_absorbed(const struct surface *, int f, float lambda_in, float lambda_out);
+
+/* The emission and absorption shapes of fluorescent lobe f, for tables over pairs (algorithm.md §9); borrowed. A matrix's marginals: they
+   are positive wherever it is, but are not what it draws from. */
 const struct spectrum *surface_fluorescent_emission(const struct surface *, int f);
 const struct spectrum *surface_fluorescent_absorption(const struct surface *, int f); /* ã, without c */
 /* Index of lobe f's (emission, ã) pair among all of the scene's, given by material_set_fluorophores; −1 before. */

@@ -81,14 +81,6 @@ static float terminator(const struct surface *s, const struct lobe *lobe, struct
 
 /* --- Chances (algorithm.md §4) ----------------------------------------------------------------------------- */
 
-/* What a fluorescent lobe sends on, of what arrives with this wavelength: c e(λo) A from the camera, c ã(λi) from the light. */
-static float fluorescent_strength(const struct lobe *lobe, enum side side, float lambda)
-{
-    const struct fluorophore *f = lobe_fluorophore(lobe);
-    return side == SIDE_CAMERA ? spectrum_eval(f->emission, lambda) * (float)f->strength
-                               : spectrum_eval(f->reradiation, lambda);
-}
-
 /* Splits 1 among fluorescent and other lobes: P_F is clamped where there are others, and 0/0 means E. Without others and with
    nothing to go by, fluorescent lobes share evenly. */
 static void split(const struct surface *s, float chance[], float fluorescent, float elastic, float soft)
@@ -116,7 +108,7 @@ void surface_chances(const struct surface *s, enum side side, struct vec3 arrivi
         const struct lobe *lobe = &s->lobe[i];
         float view = surface_view_weight(s, lobe, arriving), floored = lobe->weight * fmaxf(view, VIEW_FLOOR);
         if (lobe->kind->nature == LOBE_FLUORESCENT) {
-            chance[i] = floored * fluorescent_strength(lobe, side, lambda);
+            chance[i] = floored * fluorophore_strength(lobe_fluorophore(lobe), side, lambda);
             fluorescent += chance[i];
             continue;
         }
@@ -162,12 +154,11 @@ float surface_fluorescent(const struct surface *s, int f, struct vec3 to_light, 
     if (!camera_frame(s, lobe, to_camera, &frame, &c) || !surface_in_frame(s, &frame, to_light, &l) ||
         l.z * c.z < 0)
         return 0;
-    float weight =
-        lobe->weight * surface_view_weight(s, lobe, to_camera) * spectrum_eval(dye->reradiation, lambda_in);
+    float weight = lobe->weight * surface_view_weight(s, lobe, to_camera) *
+                   fluorophore_value(dye, lambda_in, lambda_out);
     if (lobe->mapped)
         weight *= terminator(s, lobe, to_light);
-    return weight * spectrum_eval(dye->emission, lambda_out) * fabsf(l.z) /
-           (PI_F * fabsf(dot(to_light, s->ng)));
+    return weight * fabsf(l.z) / (PI_F * fabsf(dot(to_light, s->ng)));
 }
 
 /* --- Densities ------------------------------------------------------------------------------------------- */
@@ -229,10 +220,9 @@ float surface_pdf_fluorescent(const struct surface *s, enum side side, int f, st
     float chance[SURFACE_LOBES];
     int index = s->fluorescent[f];
     const struct lobe *lobe = &s->lobe[index];
-    const struct fluorophore *dye = lobe_fluorophore(lobe);
     surface_chances(s, side, arriving, lambda_arriving, chance);
     float pdf =
-        chance[index] * spectrum_pdf(side == SIDE_CAMERA ? dye->reradiation : dye->emission, lambda_leaving);
+        chance[index] * fluorophore_pdf(lobe_fluorophore(lobe), side, lambda_arriving, lambda_leaving);
     return pdf > 0 ? pdf * direction_pdf(s, lobe, side, arriving, leaving, lambda_arriving) : 0;
 }
 
@@ -311,6 +301,16 @@ enum scatter_class surface_elastic_class(const struct surface *s, struct vec3 a,
 }
 
 /* --- Fluorophores ---------------------------------------------------------------------------------------- */
+
+float surface_pdf_emitted(const struct surface *s, int f, float lambda_in, float lambda_out)
+{
+    return fluorophore_pdf(lobe_fluorophore(&s->lobe[s->fluorescent[f]]), SIDE_LIGHT, lambda_in, lambda_out);
+}
+
+float surface_pdf_absorbed(const struct surface *s, int f, float lambda_in, float lambda_out)
+{
+    return fluorophore_pdf(lobe_fluorophore(&s->lobe[s->fluorescent[f]]), SIDE_CAMERA, lambda_out, lambda_in);
+}
 
 const struct spectrum *surface_fluorescent_emission(const struct surface *s, int f)
 {

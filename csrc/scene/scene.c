@@ -261,3 +261,17 @@ const struct spectrum *scene_fluorophore_absorption(const struct scene *scene, i
     return material_fluorophore_absorption(scene->fluorophore_material[index],
                                            index - scene->fluorophore_first[index]);
 }
+
+float scene_fluorophore_pdf_emitted(const struct scene *scene, int index, float lambda_in, float lambda_out)
+{
+    return material_fluorophore_pdf(scene->fluorophore_material[index],
+                                    index - scene->fluorophore_first[index], SIDE_LIGHT, lambda_in,
+                                    lambda_out);
+}
+
+float scene_fluorophore_pdf_absorbed(const struct scene *scene, int index, float lambda_in, float lambda_out)
+{
+    return material_fluorophore_pdf(scene->fluorophore_material[index],
+                                    index - scene->fluorophore_first[index], SIDE_CAMERA, lambda_in,
+                                    lambda_out);
+}

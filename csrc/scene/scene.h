@@ -119,5 +119,8 @@ void scene_camera_size(const struct scene *, int full[2], int border[4]);
 int scene_fluorophore_count(const struct scene *);
 const struct spectrum *scene_fluorophore_emission(const struct scene *, int index);
 const struct spectrum *scene_fluorophore_absorption(const struct scene *, int index);
+/* As surface_pdf_emitted and surface_pdf_absorbed: what is drawn at a fluorophore given the other wavelength. */
+float scene_fluorophore_pdf_emitted(const struct scene *, int index, float lambda_in, float lambda_out);
+float scene_fluorophore_pdf_absorbed(const struct scene *, int index, float lambda_in, float lambda_out);
 
 #endif

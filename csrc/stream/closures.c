@@ -173,6 +173,13 @@ static bool read_normal(const struct place *place, struct closure *closure)
     return closure->normal_map != NULL;
 }
 
+static bool read_bands(const struct place *place, const struct bsdf_signature *signature,
+                       struct closure *closure)
+{
+    struct place matrix = place_member(place, "matrix");
+    return !signature->takes_matrix || (closure->matrix = read_matrix(&matrix));
+}
+
 static bool read_bsdf(const struct place *place, struct closure *closure)
 {
     struct place name_place = place_member(place, "bsdf"), ior = place_member(place, "ior");
@@ -186,6 +193,7 @@ static bool read_bsdf(const struct place *place, struct closure *closure)
     const struct bsdf_signature *signature = bsdf_kind_signature(closure->bsdf);
     return read_colors(place, signature, closure) && read_values(place, signature, closure) &&
            read_options(place, signature, closure) && read_metal(place, signature, closure) &&
+           read_bands(place, signature, closure) &&
            (!signature->takes_ior || read_ior(&ior, &closure->ior)) && read_normal(place, closure);
 }
 

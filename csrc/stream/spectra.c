@@ -8,6 +8,7 @@
 
 #define LAMBDA_MAX_NM 1e6
 #define KNOTS_MAX ((size_t)1 << 16)
+#define SHARES_MAX ((size_t)RERADIATION_BANDS_MAX * RERADIATION_BANDS_MAX)
 
 struct range message_range(const struct message *message)
 {
@@ -55,7 +56,8 @@ static struct spectrum *read_rgb(const struct place *place)
 }
 
 /* Numbers in JSON, or a blob of f32; *owned is to be freed. */
-static bool read_numbers(const struct place *place, const float **values, size_t *count, float **owned)
+static bool read_numbers(const struct place *place, size_t most, const float **values, size_t *count,
+                         float **owned)
 {
     *owned = NULL;
     if (place->value && json_is_object(place->value)) {
@@ -73,8 +75,7 @@ static bool read_numbers(const struct place *place, const float **values, size_t
         if (!read_floats(place, *owned, *count))
             return false;
     }
-    return *count <= KNOTS_MAX ||
-           place_fail(place, "has %zu numbers; at most %zu are taken", *count, KNOTS_MAX);
+    return *count <= most || place_fail(place, "has %zu numbers; at most %zu are taken", *count, most);
 }
 
 static struct spectrum *read_table(const struct place *place, enum beyond beyond)
@@ -85,8 +86,8 @@ static struct spectrum *read_table(const struct place *place, enum beyond beyond
     size_t count = 0, value_count = 0;
     struct spectrum *spectrum = NULL;
     stokes_error why = {0};
-    if (place_is(place, JSON_OBJECT) && read_numbers(&lambda, &lambdas, &count, &own_lambdas) &&
-        read_numbers(&value, &values, &value_count, &own_values)) {
+    if (place_is(place, JSON_OBJECT) && read_numbers(&lambda, KNOTS_MAX, &lambdas, &count, &own_lambdas) &&
+        read_numbers(&value, KNOTS_MAX, &values, &value_count, &own_values)) {
         if (count != value_count || count < 1)
             place_fail(place, "has %zu wavelengths and %zu values", count, value_count);
         else
@@ -257,6 +258,61 @@ struct spectrum *read_spectrum(const struct place *place, enum beyond beyond, in
     place_fail(place, place_has(place, "texture") ? "cannot vary over the surface here"
                                                   : "is no spectrum (rgb, table, blackbody, illuminant, …)");
     return NULL;
+}
+
+/* --- M: a reradiation matrix --------------------------------------------------------------------------------- */
+
+static struct reradiation *read_shares(const struct place *place)
+{
+    static const struct field fields[] = {
+        {"incident", FIELD_DOUBLE, true, 0, 2, 0, LAMBDA_MAX_NM},
+        {"outgoing", FIELD_DOUBLE, true, 2 * sizeof(double), 2, 0, LAMBDA_MAX_NM},
+        {"step", FIELD_DOUBLE, true, 4 * sizeof(double), 0, 0, LAMBDA_MAX_NM},
+    };
+    struct place share = place_member(place, "share");
+    const float *values;
+    float *owned = NULL;
+    size_t count = 0;
+    double bands[5];
+    stokes_error why = {0};
+    struct reradiation *m = NULL;
+    if (!read_fields(place, fields, 3, bands) || !read_numbers(&share, SHARES_MAX, &values, &count, &owned)) {
+        free(owned);
+        return NULL;
+    }
+    m = reradiation_create(bands[0], (int)bands[1], bands[2], (int)bands[3], bands[4], "matrix", &why);
+    bool good = m != NULL;
+    if (good && count != (size_t)m->count_in * (size_t)m->count_out) {
+        good = place_fail(&share, "has %zu numbers for %d × %d bands", count, m->count_in, m->count_out);
+    } else if (good) {
+        memcpy(m->share, values, count * sizeof *values);
+        good = reradiation_check(m, "matrix", &why) || place_fail(&share, "%s", why.text);
+    } else {
+        place_fail(place, "%s: %s", why.property, why.text);
+    }
+    free(owned);
+    if (!good) {
+        reradiation_destroy(m);
+        return NULL;
+    }
+    return m;
+}
+
+struct reradiation *read_matrix(const struct place *place)
+{
+    struct place library = place_member(place, "library");
+    const char *name;
+    stokes_error why = {0};
+    if (!place_is(place, JSON_OBJECT))
+        return NULL;
+    if (!library.value)
+        return read_shares(place);
+    if (!read_text(&library, &name))
+        return NULL;
+    struct reradiation *m = reradiation_library(name, name, NULL, NULL, &why);
+    if (!m)
+        place_fail(&library, "%s", why.text);
+    return m;
 }
 
 /* --- Where a BSDF takes a colour ---------------------------------------------------------------------------- */

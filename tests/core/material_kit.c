@@ -146,6 +146,23 @@ static double random_number(struct kit_random *r, const char *name, double ordin
     return ordinary;
 }
 
+struct reradiation *kit_matrix(struct kit_random *r)
+{
+    float step = kit_between(r, 6, 25), first = kit_between(r, 280, 350);
+    int shift = (int)kit_between(r, 0, 5), in = (int)kit_between(r, 10, 18),
+        out = (int)kit_between(r, 10, 22);
+    struct reradiation *m =
+        reradiation_create(first, in, first + step * (float)shift, out, step, "test", NULL);
+    if (!m)
+        abort();
+    for (int o = 0; o < out; o++)
+        for (int i = 0; i < in; i++)
+            m->share[o * in + i] = o + shift == i  ? kit_between(r, 0, 0.7f)
+                                   : o + shift < i ? kit_between(r, 0, 0.002f)
+                                                   : kit_between(r, 0, 0.9f) / (float)out;
+    return m;
+}
+
 struct closure *kit_random_bsdf(struct kit_random *r, const struct bsdf_kind *kind, float roughness)
 {
     const struct bsdf_signature *s = bsdf_kind_signature(kind);
@@ -163,6 +180,8 @@ struct closure *kit_random_bsdf(struct kit_random *r, const struct bsdf_kind *ki
     }
     for (int i = 0; i < 4 && s->number_names[i]; i++)
         c->number[i] = random_number(r, s->number_names[i], s->number_defaults[i]);
+    if (s->takes_matrix)
+        c->matrix = kit_matrix(r);
     if (s->takes_ior)
         c->ior = kit_uniform(r) < 0.5f
                      ? (struct ior){IOR_CONSTANT, {kit_between(r, 1.2f, 2)}}

@@ -8,6 +8,7 @@
 #include "spectrum/library/colorchecker.inc"
 #include "spectrum/library/dyes.inc"
 #include "spectrum/library/lamps.inc"
+#include "spectrum/library/matrices.inc"
 #include "spectrum/library/metals.inc"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -105,6 +106,19 @@ struct spectrum *spectrum_library(struct range range, const char *name, const ch
 const float *library_daylight(int i)
 {
     return daylight_components[i];
+}
+
+const struct library_matrix *library_matrix_at(size_t index)
+{
+    return index < COUNT(matrix_entries) ? &matrix_entries[index] : NULL;
+}
+
+const struct library_matrix *library_matrix_find(const char *name)
+{
+    for (size_t i = 0; i < COUNT(matrix_entries); i++)
+        if (strcmp(matrix_entries[i].name, name) == 0)
+            return &matrix_entries[i];
+    return NULL;
 }
 
 const struct glass *glass_at(size_t index)

@@ -21,6 +21,18 @@ const struct library_entry *library_at(size_t index);
 float library_entry_lambda(const struct library_entry *, size_t knot);
 float library_entry_value(const struct library_entry *, size_t knot);
 
+/* A measured reradiation matrix as its instrument wrote it; reradiation_library reads it. */
+struct library_matrix {
+    const char *name, *source, *licence; /* "matrix/yellow_note" */
+    float first_in, step;                /* nm; the same step on both sides */
+    int count_in;
+    float first_out;
+    int count_out;
+    const float *share; /* a line an outgoing band */
+};
+const struct library_matrix *library_matrix_find(const char *name); /* NULL if unknown */
+const struct library_matrix *library_matrix_at(size_t index);       /* NULL past the end */
+
 /* An entry's value at any wavelength, not only inside some Λ; false if there is no such entry. */
 bool library_value(const char *name, double lambda_nm, double *value);
 
