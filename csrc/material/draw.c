@@ -230,15 +230,12 @@ void surface_steps(const struct surface *s, enum side side, enum label label, in
 float surface_sample_lambda(const struct surface *s, enum side side, int f, float lambda_arriving, float u,
                             float *pdf)
 {
-    (void)lambda_arriving;
-    const struct fluorophore *dye = lobe_fluorophore(&s->lobe[s->fluorescent[f]]);
-    return spectrum_sample(side == SIDE_CAMERA ? dye->reradiation : dye->emission, u, pdf);
+    return fluorophore_sample(lobe_fluorophore(&s->lobe[s->fluorescent[f]]), side, lambda_arriving, u, pdf);
 }
 
 float surface_pdf_lambda(const struct surface *s, enum side side, int f, float lambda_arriving,
                          float lambda_leaving)
 {
-    (void)lambda_arriving;
-    const struct fluorophore *dye = lobe_fluorophore(&s->lobe[s->fluorescent[f]]);
-    return spectrum_pdf(side == SIDE_CAMERA ? dye->reradiation : dye->emission, lambda_leaving);
+    return fluorophore_pdf(lobe_fluorophore(&s->lobe[s->fluorescent[f]]), side, lambda_arriving,
+                           lambda_leaving);
 }

@@ -145,7 +145,8 @@ void surface_steps(const struct surface *, enum side, enum label, int lobe, stru
                    struct vec3 leaving, int lanes, const float lambda_arriving[],
                    const float lambda_leaving[], struct surface_steps *);
 
-/* The wavelength that a sub-path of `side` draws at fluorescent lobe f, from a uniform number; and its density. */
+/* The wavelength that a sub-path of `side` draws at fluorescent lobe f, from a uniform number; and its density. At a wavelength that a
+   matrix does not re-emit (nothing of it goes on) *pdf is 0. */
 float surface_sample_lambda(const struct surface *, enum side, int f, float lambda_arriving, float u,
                             float *pdf);
 float surface_pdf_lambda(const struct surface *, enum side, int f, float lambda_arriving,
@@ -156,8 +157,8 @@ float surface_pdf_lambda(const struct surface *, enum side, int f, float lambda_
 bool surface_elastic_disperses(const struct surface *, struct vec3 a, struct vec3 b);
 enum scatter_class surface_elastic_class(const struct surface *, struct vec3 a, struct vec3 b);
 
-/* The density of λo when a light sub-path draws it at lobe f, given λi, and that of λi when a camera sub-path draws it, given λo. Of a
-   separable lobe they are its shapes; of a matrix they depend on both, and are 0 where nothing is re-emitted. */
+/* surface_pdf_lambda by the ends of the path: the density of λo when a light sub-path draws it at lobe f, given λi, and that of λi when a
+   camera sub-path draws it, given λo. Of a separable lobe they are its shapes; of a matrix they depend on both, and are 0 where nothing is re-emitted. */
 float surface_pdf_emitted(const struct surface *, int f, float lambda_in, float lambda_out);
 float surface_pdf_absorbed(const struct surface *, int f, float lambda_in, float lambda_out);
 

@@ -304,12 +304,12 @@ enum scatter_class surface_elastic_class(const struct surface *s, struct vec3 a,
 
 float surface_pdf_emitted(const struct surface *s, int f, float lambda_in, float lambda_out)
 {
-    return fluorophore_pdf(lobe_fluorophore(&s->lobe[s->fluorescent[f]]), SIDE_LIGHT, lambda_in, lambda_out);
+    return surface_pdf_lambda(s, SIDE_LIGHT, f, lambda_in, lambda_out);
 }
 
 float surface_pdf_absorbed(const struct surface *s, int f, float lambda_in, float lambda_out)
 {
-    return fluorophore_pdf(lobe_fluorophore(&s->lobe[s->fluorescent[f]]), SIDE_CAMERA, lambda_out, lambda_in);
+    return surface_pdf_lambda(s, SIDE_CAMERA, f, lambda_out, lambda_in);
 }
 
 const struct spectrum *surface_fluorescent_emission(const struct surface *s, int f)

@@ -143,8 +143,8 @@ static void draws_follow_the_density_that_depends_on_both_wavelengths(void **sta
                                2 / 50 * DRAWS;
             }
         for (int n = 0; n < DRAWS; n++) {
-            float pdf, at = fluorophore_sample(f, side, given, kit_uniform(&r), &pdf);
-            assert_true(pdf == fluorophore_pdf(f, side, given, at));
+            float pdf, at = surface_sample_lambda(&s, side, 0, given, kit_uniform(&r), &pdf);
+            assert_true(pdf == surface_pdf_lambda(&s, side, 0, given, at));
             assert_true(at >= 300 && at <= 830 && pdf > 0);
             observed[(int)((at - 300) / 2)]++;
         }
