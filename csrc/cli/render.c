@@ -35,9 +35,9 @@ static const char help[] =
     "  -q, --quiet              no progress, no report\n"
     "  -h, --help\n"
     "\n"
-    "Ctrl-C ends the render; whole passes are written. Images depend on scene, seed and samples alone, not "
-    "on\n"
-    "threads: parts of the sample range, rendered anywhere, merge to the bits of the whole.\n"
+    "Ctrl-C ends the render; whole passes are written, or what there is of the first (alpha 0 elsewhere).\n"
+    "Images depend on scene, seed and samples alone, not on threads: parts of the sample range, rendered\n"
+    "anywhere, merge to the bits of the whole.\n"
     "Exit status: 0 done, 1 an error (one line on stderr), 2 wrong usage, 130 cancelled (and written).\n";
 
 struct job {
@@ -262,8 +262,8 @@ static bool run(stokes_session *session, const struct job *job, stokes_error *er
     if (!stokes_session_load(session, job->scene, err) ||
         !stokes_session_render(session, &job->overrides, NULL, 0, err))
         return false;
-    if (interrupted && stokes_session_samples(session) == 0) {
-        fputs("stokes: render: cancelled before the first pass was whole: nothing is written\n", stderr);
+    if (interrupted && stokes_session_samples(session) == 0 && !stokes_session_is_part(session)) {
+        fputs("stokes: render: cancelled before the first sample: nothing is written\n", stderr);
         return true;
     }
     for (size_t i = 0; i < job->outputs; i++)

@@ -75,6 +75,7 @@ void film_clear(struct film *film)
     memset(film->sum, 0, sum_count(film) * sizeof *film->sum);
     film->saturated = film->rejected = 0;
     film->first_sample = film->end_sample = 0;
+    film->part = false;
 }
 
 /* --- Adding ---------------------------------------------------------------------------------------- */
@@ -172,6 +173,7 @@ void film_add(struct film *film, int x, int y, const struct film_sample *sample)
 
 void film_splat(struct film *film, int x, int y, double value, float lambda_nm, double kappa)
 {
+    film = film->splats ? film->splats : film;
     int64_t *sum = sums_at(film, x, y);
     if (!sum)
         return;
@@ -190,21 +192,53 @@ void film_splat(struct film *film, int x, int y, double value, float lambda_nm, 
 
 /* --- Reading --------------------------------------------------------------------------------------- */
 
+static double sum_at(const struct film *film, size_t at)
+{
+    double sum = (double)__atomic_load_n(&film->sum[at], __ATOMIC_RELAXED);
+    return film->splats ? sum + (double)__atomic_load_n(&film->splats->sum[at], __ATOMIC_RELAXED) : sum;
+}
+
+void film_resolve_row(const struct film *film, const struct working_space *space, int samples, int row,
+                      float *rgba)
+{
+    size_t first = (size_t)row * (size_t)film->width, end = first + (size_t)film->width;
+    double per_unit = samples > 0 ? 1 / (UNITS * samples) : 0;
+    for (size_t p = first; p < end; p++) {
+        size_t at = p * (size_t)film->channels;
+        double xyz[3];
+        for (size_t i = 0; i < 3; i++)
+            xyz[i] = sum_at(film, at + i) * per_unit;
+        for (int i = 0; i < 3; i++) {
+            const double *to = space->xyz_to_rgb + 3 * i;
+            rgba[4 * p + (size_t)i] = (float)(to[0] * xyz[0] + to[1] * xyz[1] + to[2] * xyz[2]);
+        }
+        rgba[4 * p + 3] = (float)(sum_at(film, at + 3) * per_unit);
+    }
+}
+
 void film_resolve(const struct film *film, const struct working_space *space, int samples, float *rgba)
 {
-    size_t pixels = (size_t)film->width * (size_t)film->height;
-    double per_unit = samples > 0 ? 1 / (UNITS * samples) : 0;
-    for (size_t p = 0; p < pixels; p++) {
-        const int64_t *sum = film->sum + p * (size_t)film->channels;
-        double xyz[3];
-        for (int i = 0; i < 3; i++)
-            xyz[i] = (double)__atomic_load_n(&sum[i], __ATOMIC_RELAXED) * per_unit;
-        for (int i = 0; i < 3; i++) {
-            const double *row = space->xyz_to_rgb + 3 * i;
-            rgba[4 * p + i] = (float)(row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]);
+    for (int row = 0; row < film->height; row++)
+        film_resolve_row(film, space, samples, row, rgba);
+}
+
+int film_divisor(const struct film *film)
+{
+    return film->part ? 1 : film->end_sample - film->first_sample;
+}
+
+void film_close_part(struct film *film, const uint8_t *done, double share)
+{
+    size_t channels = (size_t)film->channels, count = sum_count(film);
+    for (size_t at = 0; at < count; at += channels, done++)
+        for (size_t i = at; i < at + channels; i++) {
+            double splats = film->splats ? (double)film->splats->sum[i] / share : 0,
+                   sum = *done ? (double)film->sum[i] + splats : 0;
+            film->sum[i] = sum < (double)FILM_SUM_MAX ? (int64_t)(sum + 0.5) : FILM_SUM_MAX;
         }
-        rgba[4 * p + 3] = (float)((double)__atomic_load_n(&sum[3], __ATOMIC_RELAXED) * per_unit);
-    }
+    film->splats = NULL;
+    film->part = true;
+    film->end_sample = film->first_sample;
 }
 
 static bool check_merge(const struct film *a, const struct film *b, stokes_error *err)
@@ -217,6 +251,8 @@ static bool check_merge(const struct film *a, const struct film *b, stokes_error
     if (a->bins != b->bins ||
         (a->bins && (a->bin_range.min != b->bin_range.min || a->bin_range.max != b->bin_range.max)))
         return fail(err, "merge", "spectral_bins", "the parts have different bins");
+    if (a->part || b->part)
+        return fail(err, "merge", "samples", "a part of one pass, which was broken off, is no range of samples");
     if (a->first_sample < b->end_sample && b->first_sample < a->end_sample)
         return fail(err, "merge", "samples", "[%d, %d) and [%d, %d) overlap", a->first_sample, a->end_sample,
                     b->first_sample, b->end_sample);

@@ -28,6 +28,8 @@ struct film {
     int channels;      /* 4 + bins: X, Y, Z, alpha, bins */
     int64_t *sum;      /* channels per pixel, first row at the bottom */
     int first_sample, end_sample; /* samples that are in, [first, end) */
+    bool part;           /* a pass that was broken off: one sample of some pixels, and no range (film_close_part) */
+    struct film *splats; /* borrowed: film_splat adds there instead; NULL: here */
     uint64_t saturated, rejected; /* sums at the limit; samples and splats that were negative or not finite */
 };
 
@@ -52,8 +54,17 @@ void film_sample_clear(const struct film *, struct film_sample *);
 void film_add(struct film *, int x, int y, const struct film_sample *);
 void film_splat(struct film *, int x, int y, double value, float lambda_nm, double kappa);
 
-/* RGBA f32 in the working space, bottom row first, divided by the number of samples. */
+/* RGBA f32 in the working space, bottom row first, divided by the number of samples; with the sums of `splats`. */
 void film_resolve(const struct film *, const struct working_space *, int samples, float *rgba);
+/* One row of it, counted from the bottom; `rgba` is the whole picture's. For threads. */
+void film_resolve_row(const struct film *, const struct working_space *, int samples, int row, float *rgba);
+
+/* Makes a pass that was broken off a picture of its own: pixels with done[pixel] keep their sample, the others become black
+   and transparent; the splats, kept apart until now, are those of a `share` of all light paths, and count for all of them.
+   Such a film can be written and not be merged. */
+void film_close_part(struct film *, const uint8_t *done, double share);
+/* What film_resolve divides by. */
+int film_divisor(const struct film *);
 
 /* What the header says of how a film was made. Text pairs, written into the EXR. */
 struct film_note {

@@ -165,7 +165,7 @@ static bool write_layout(const struct film *film, const struct working_space *sp
                          stokes_error *err)
 {
     float xy[8];
-    int samples = film->end_sample - film->first_sample;
+    int samples = film_divisor(film);
     struct exr_layout layout = {
         .full_width = film->full_width,
         .full_height = film->full_height,
@@ -294,6 +294,7 @@ static struct film *read_header(struct exr_file *file, const char *path, stokes_
     if (film) {
         film->first_sample = (int)samples[0];
         film->end_sample = (int)samples[1];
+        film->part = samples[0] == samples[1];
         film->rejected = (uint64_t)counts[1];
     }
     return film;

@@ -69,13 +69,16 @@ STOKES_API stokes_overrides stokes_overrides_default(void);
 
 /* Renders the scene's sample range; `overrides` may be NULL. `picture` may be NULL or points to RGBA f32, the
    border's rectangle, bottom row first; it is refreshed as the render goes. A cancelled render returns true and
-   keeps its whole passes. */
+   keeps its whole passes; within the first it keeps the pixels that were done (stokes_session_is_part). */
 STOKES_API bool stokes_session_render(stokes_session *, const stokes_overrides *, float *picture,
                                       size_t picture_floats, stokes_error *err);
 
 /* After a render: the picture's size, the samples it holds, and the lines of its report. */
 STOKES_API void stokes_session_size(const stokes_session *, int *width, int *height);
 STOKES_API int stokes_session_samples(const stokes_session *);
+/* True if a cancel left but a part of the first pass, and so no samples: what is written then has alpha 0 where nothing was
+   traced, and cannot be merged. */
+STOKES_API bool stokes_session_is_part(const stokes_session *);
 STOKES_API const char *stokes_session_report(const stokes_session *);
 
 /* Writes the film: EXR (linear RGBA, spectral bins, and what merging needs) or, by its ending, PNG through

@@ -1,9 +1,11 @@
 /* Progressive passes. A batch of whole passes is traced into a film of its own and merged into the session's film when it is
-   whole: what a cancel breaks off is dropped, so the film's sample range is always true and parts merge to the same bits. */
+   whole: what a cancel breaks off is dropped, so the film's sample range is always true and parts merge to the same bits.
+   Of a first pass that is broken off there is nothing else to show: the pixels that were done stay (keep_part). */
 #include <limits.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "base/os.h"
@@ -33,6 +35,8 @@ struct render {
     double start, progress_at, refresh_at, merge_s;
     atomic_size_t units_done;
     atomic_bool stopped;
+    uint8_t *done;       /* while the first pass is traced: which pixels of the film are; else NULL */
+    atomic_size_t traced; /* pixels of `area` of the first pass */
     int batch_sample;    /* what the workers trace now: sample of unit 0 */
     size_t batch_offset; /* units of the batch that earlier chunks have traced */
 };
@@ -68,6 +72,19 @@ static void tell_progress(struct render *render, bool always)
     listener->progress(listener->user, (int)(done / render->units), samples, seconds, remaining);
 }
 
+struct resolving {
+    struct render *render;
+    const struct film *film;
+    int divisor;
+};
+
+static void resolve_row(void *context, size_t row, int worker)
+{
+    const struct resolving *r = context;
+    (void)worker;
+    film_resolve_row(r->film, r->render->space, r->divisor, (int)row, r->render->picture);
+}
+
 /* `samples` is what the listener hears: 0 while the first pass grows. */
 static void refresh_picture(struct render *render, const struct film *film, int divisor, int samples)
 {
@@ -75,7 +92,8 @@ static void refresh_picture(struct render *render, const struct film *film, int 
     double now = os_seconds();
     if (!render->picture || divisor < 1)
         return;
-    film_resolve(film, render->space, divisor, render->picture);
+    struct resolving resolving = {render, film, divisor};
+    thread_run(render->threads, (size_t)film->height, resolve_row, NULL, &resolving);
     double after = os_seconds();
     render->refresh_at =
         after + fmax(REFRESH_EVERY_S, (after - now) * (samples > 0 ? REFRESH_SHARE : FIRST_REFRESH_SHARE));
@@ -85,6 +103,18 @@ static void refresh_picture(struct render *render, const struct film *film, int 
 }
 
 /* --- Tracing ----------------------------------------------------------------------------------------------- */
+
+/* A row of a unit of the first pass has its sample. */
+static void mark_row(struct render *render, int x0, int x1, int y)
+{
+    const struct film *film = render->pass;
+    atomic_fetch_add_explicit(&render->traced, (size_t)(x1 - x0), memory_order_relaxed);
+    x0 = x0 > film->x0 ? x0 - film->x0 : 0;
+    x1 = (x1 < film->x0 + film->width ? x1 : film->x0 + film->width) - film->x0;
+    y -= film->y0;
+    if (x0 < x1 && y >= 0 && y < film->height)
+        memset(render->done + (size_t)y * (size_t)film->width + x0, 1, (size_t)(x1 - x0));
+}
 
 /* Units run from the top row down, pass after pass. */
 static void trace_unit(void *context, size_t index, int worker)
@@ -102,15 +132,47 @@ static void trace_unit(void *context, size_t index, int worker)
             return;
         for (int x = x0; x < x1; x++)
             integrator_sample(render->integrator, worker, x, y, sample);
+        if (render->done)
+            mark_row(render, x0, x1, y);
     }
     atomic_fetch_add_explicit(&render->units_done, 1, memory_order_relaxed);
     if (worker == 0)
         tell_progress(render, false);
 }
 
-/* The first pass in chunks, each followed by a look at what there is. */
-static void trace_first_pass(struct render *render)
+static size_t area_pixels(const struct render *render)
 {
+    const int *area = render->area;
+    return (size_t)(area[2] - area[0]) * (size_t)(area[3] - area[1]);
+}
+
+/* Whether the first pass was traced to its end, perhaps while a cancel came. */
+static bool first_is_whole(const struct render *render)
+{
+    return render->traced == area_pixels(render);
+}
+
+/* What is kept of a first pass that is broken off. */
+static void keep_part(struct render *render)
+{
+    struct film *part = render->pass;
+    if (render->traced == 0 || first_is_whole(render))
+        return;
+    render->session->share = (double)render->traced / (double)area_pixels(render);
+    part->first_sample = render->first_sample;
+    film_close_part(part, render->done, render->session->share);
+    render->pass = render->film;
+    render->film = part;
+}
+
+/* The first pass in chunks, each followed by a look at what there is. Its splats go to the film that is still empty: apart from
+   what pixels got from the camera, whichever of the two is broken off. False: no memory. */
+static bool trace_first_pass(struct render *render, stokes_error *err)
+{
+    size_t pixels = (size_t)render->film->width * (size_t)render->film->height;
+    if (!(render->done = calloc(pixels, 1)))
+        return fail(err, "film", "resolution", "no memory for %zu pixels", pixels);
+    render->pass->splats = render->film;
     size_t chunk = (size_t)render->threads * 4;
     while (render->batch_offset < render->units && !should_stop(render)) {
         size_t left = render->units - render->batch_offset;
@@ -124,6 +186,12 @@ static void trace_first_pass(struct render *render)
             refresh_picture(render, render->pass, 1, 0);
     }
     render->batch_offset = 0;
+    if (atomic_load(&render->stopped))
+        keep_part(render);
+    render->pass->splats = NULL;
+    free(render->done);
+    render->done = NULL;
+    return true;
 }
 
 static bool merge_batch(struct render *render, int passes, stokes_error *err)
@@ -193,11 +261,11 @@ static bool trace_passes(struct render *render, stokes_error *err)
         double before = os_seconds();
         passes = first ? 1 : batch_passes(render, passes, pass_s);
         render->batch_sample = render->film->end_sample;
-        if (first)
-            trace_first_pass(render);
-        else
+        if (first && !trace_first_pass(render, err))
+            return false;
+        if (!first)
             thread_run(render->threads, render->units * (size_t)passes, trace_unit, should_stop, render);
-        if (atomic_load(&render->stopped))
+        if (atomic_load(&render->stopped) && !(first && first_is_whole(render)))
             break;
         if (!merge_batch(render, passes, err))
             return false;
@@ -304,8 +372,7 @@ static void finish(struct render *render)
     session_write_report(session);
     if (!session->film)
         return;
-    int samples = stokes_session_samples(session);
-    refresh_picture(render, session->film, samples, samples);
+    refresh_picture(render, session->film, film_divisor(session->film), stokes_session_samples(session));
     tell_progress(render, true);
 }
 

@@ -34,7 +34,8 @@ void text_clear(struct text *text)
 
 static void report_film(const stokes_session *session, const struct film *film, struct text *out)
 {
-    double pixel_samples = (double)film->width * film->height * (film->end_sample - film->first_sample);
+    double pixel_samples =
+        (double)film->width * film->height * film_divisor(film) * (film->part ? session->share : 1);
     text_line(out, "film: %d x %d pixels, samples %d to %d of each", film->width, film->height,
               film->first_sample, film->end_sample);
     text_line(out, "time: %.2f s, %.4g samples/s with %d threads", session->seconds,
@@ -58,7 +59,9 @@ void session_write_report(stokes_session *session)
               scene.meshes, scene.instances, scene.triangles, scene.lights, scene.materials, scene.images);
     if (film)
         report_film(session, film, out);
-    if (session->cancelled)
+    if (session->cancelled && stokes_session_is_part(session))
+        text_line(out, "cancelled within the first pass, of which %.3g %% is kept", 100 * session->share);
+    else if (session->cancelled)
         text_line(out, "cancelled after %d whole passes", samples);
     if (outside > 0)
         text_line(out, "colors: %zu out of reach of any reflectance; the nearest was used", outside);

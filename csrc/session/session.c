@@ -61,6 +61,11 @@ int stokes_session_samples(const stokes_session *session)
     return session->film ? session->film->end_sample - session->film->first_sample : 0;
 }
 
+bool stokes_session_is_part(const stokes_session *session)
+{
+    return session->film && session->film->part;
+}
+
 const char *stokes_session_report(const stokes_session *session)
 {
     return session->report.data ? session->report.data : "";

@@ -51,6 +51,7 @@ struct stokes_session {
     struct session_settings rendered; /* with its overrides */
     char fingerprint[SESSION_FINGERPRINT_BYTES];
     bool cancelled;
+    double share; /* of the first pass, where only a part of it was traced (film->part) */
     double seconds;
     struct text report;
 };

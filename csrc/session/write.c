@@ -115,7 +115,7 @@ static bool write_png(stokes_session *session, const char *path, stokes_error *e
     float *rgba = calloc(count, 4 * sizeof *rgba);
     if (!rgba)
         return fail(err, path, "write", "out of memory");
-    film_resolve(film, &session->color.working_space, film->end_sample - film->first_sample, rgba);
+    film_resolve(film, &session->color.working_space, film_divisor(film), rgba);
     bool good =
         to_display(session, rgba, count, err) && film_write_png(film->width, film->height, rgba, path, err);
     free(rgba);
@@ -130,7 +130,7 @@ static bool has_ending(const char *path, const char *ending)
 
 bool stokes_session_write(stokes_session *session, const char *path, stokes_error *err)
 {
-    if (stokes_session_samples(session) < 1)
+    if (stokes_session_samples(session) < 1 && !stokes_session_is_part(session))
         return fail(err, path, "write", "nothing has been rendered");
     if (has_ending(path, ".exr"))
         return write_exr(session, path, err);

@@ -188,6 +188,51 @@ static void resolving_gives_the_mean_in_the_working_space(void **state)
     film_destroy(film);
 }
 
+/* Splats that are kept apart are merged into the bits that they have together. */
+static void splats_apart_and_together_have_the_same_bits(void **state)
+{
+    (void)state;
+    struct film *together = make_film(whole, 8), *apart = make_film(whole, 8), *splats = make_film(whole, 8);
+    struct crowd one = {together, 1, 0x1p28}, two = {apart, 1, 0x1p28};
+    apart->splats = splats;
+    thread_run(2, 20011, add_some, NULL, &one);
+    thread_run(2, 20011, add_some, NULL, &two);
+    apart->splats = NULL;
+    apart->end_sample = together->end_sample = 1;
+    assert_true(film_merge(splats, apart, NULL));
+    assert_true(same_sums(splats, together));
+    film_destroy(together);
+    film_destroy(apart);
+    film_destroy(splats);
+}
+
+/* A pass that was broken off: its pixels, and splats of a quarter of the light paths. */
+static void a_part_of_a_pass_shows_its_pixels_and_is_not_merged(void **state)
+{
+    (void)state;
+    struct film *part = make_film(whole, 2), *splats = make_film(whole, 2);
+    uint8_t done[40 * 30] = {[41] = 1};
+    size_t at = 41 * (size_t)part->channels;
+    stokes_error err;
+    part->splats = splats;
+    for (int c = 0; c < part->channels; c++) {
+        part->sum[at + (size_t)c] = 1000 + c;
+        splats->sum[at + (size_t)c] = 10;
+        splats->sum[c] = 7; /* of pixel 0, which was not done */
+    }
+    splats->sum[at] = FILM_SUM_MAX / 2;
+    film_close_part(part, done, 0.25);
+    assert_true(part->sum[at] == FILM_SUM_MAX && part->sum[at + 1] == 1041 && part->sum[at + 5] == 1045);
+    assert_true(part->sum[0] == 0 && part->sum[3] == 0);
+    assert_int_equal(film_divisor(part), 1);
+    splats->first_sample = 0;
+    splats->end_sample = 1;
+    assert_false(film_merge(splats, part, &err));
+    assert_non_null(strstr(err.text, "broken off"));
+    film_destroy(part);
+    film_destroy(splats);
+}
+
 static void what_is_no_picture_is_refused(void **state)
 {
     (void)state;
@@ -285,6 +330,8 @@ int main(void)
         cmocka_unit_test(an_undershoot_that_rounds_to_zero_is_no_reason_to_reject),
         cmocka_unit_test(a_sum_that_reaches_the_limit_stays_there_and_is_counted_once),
         cmocka_unit_test(resolving_gives_the_mean_in_the_working_space),
+        cmocka_unit_test(splats_apart_and_together_have_the_same_bits),
+        cmocka_unit_test(a_part_of_a_pass_shows_its_pixels_and_is_not_merged),
         cmocka_unit_test(what_is_no_picture_is_refused),
         cmocka_unit_test(filter_offsets_follow_the_blackman_harris_window),
         cmocka_unit_test(splats_reach_a_pixel_as_often_as_its_camera_samples_do),

@@ -11,8 +11,10 @@ import struct
 import subprocess
 import time
 
+import exr
 import frames
 import pytest
+import scenes
 from process import SECONDS, STOKES, Server, run
 
 START = frames.hello() + frames.color() + frames.settings()
@@ -89,6 +91,47 @@ def test_cancel_is_quick_and_the_process_stays(server):
     server.send(frames.render(0, 1))
     told = server.wait("finished")
     assert not told["cancelled"] and told["samples"] == 1
+
+
+@pytest.fixture(scope="module")
+def heavy(tmp_path_factory):
+    """Glass, metal and dyes in 1920 × 1080 by the dearest integrator, and half a million triangles: messages up to `render`."""
+    path = tmp_path_factory.mktemp("heavy") / "box.stokes"
+    scenes.box(path, resolution=(1920, 1080), integrator="mbdpt", threads=os.cpu_count())
+    data = path.read_bytes()
+    data = data[: data.rindex(b"STKS")]
+    return data + crumbs(500000).replace(b'"square"', b'"crumbs"') + frames.instances("crumbs", "crumbs", ["glass"])
+
+
+@pytest.mark.parametrize("when", ["first pass", "later"])
+def test_cancel_is_quick_in_a_heavy_scene(heavy, when):
+    """Within the first pass, which takes seconds, and after it; the picture in shared memory is the one that is kept."""
+    size = 16 * 1920 * 1080
+    fd, film = memory(size)
+    server = Server("--film", fd, fds=(fd,))
+    try:
+        server.send(heavy)
+        times = []
+        while len(times) < TRIES and min(times, default=QUICK) >= QUICK:
+            if when == "later":
+                server.send(frames.settings(integrator="pt", max_path=2))  # a quick first pass; then the film is merged
+            server.send(frames.render(0, 1 << 20, film={"shared_fd": fd, "bytes": size}))
+            server.wait("tile", **({"samples": 0} if when == "first pass" else {}))
+            while when == "later" and server.wait("progress")["sample"] < 1:
+                pass
+            before = time.monotonic()
+            server.send(frames.frame("cancel"))
+            told = server.wait("finished")
+            times.append(time.monotonic() - before)
+            assert told["cancelled"] and (told["samples"] == 0) == (when == "first pass")
+        print("cancelled within %.0f ms" % (1e3 * min(times)))
+        assert min(times) < QUICK, times
+        alphas = array.array("f", film[:])[3::4]
+        assert set(alphas) == ({0, 1} if when == "first pass" else {1})
+    finally:
+        server.process.kill()
+        server.close()
+        os.close(fd)
 
 
 def crumbs(count):
@@ -209,6 +252,50 @@ def test_interrupt_keeps_whole_passes(tmp_path):
     again = tmp_path / "again.exr"
     assert run("render", scene, "-o", again, "-q", "-s", samples).returncode == 0
     assert again.read_bytes() == out.read_bytes()
+
+
+def test_interrupt_in_the_first_pass_keeps_the_pixels_that_were_done(tmp_path):
+    """They are those of a whole pass, by an integrator that splats nothing; the rest is transparent. Such a file is not merged."""
+    scene, out, whole = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "whole.exr"
+    scene.write_bytes(frames.scene(size=2048, samples=4))
+    process = subprocess.Popen(
+        [STOKES, "render", scene, "-o", out, "-o", tmp_path / "out.png", "-t", "1"], stderr=subprocess.PIPE, text=True)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=SECONDS)[1]
+    assert process.returncode == 130 and "cancelled within the first pass" in said, said
+    assert (tmp_path / "out.png").stat().st_size > 1000
+    assert run("render", scene, "-o", whole, "-q", "-s", 1).returncode == 0
+    part, expected = exr.read(out), exr.read(whole)
+    done = part.channels["A"] == 1
+    assert 0 < done.mean() < 1 and not part.channels["A"][~done].any()
+    for channel in "RGB":
+        assert (part.channels[channel][done] == expected.channels[channel][done]).all()
+        assert not part.channels[channel][~done].any()
+    share = float(re.search(r"of which ([\d.e-]+) %", said)[1]) / 100
+    assert share == pytest.approx(done.mean(), rel=0.01)
+    assert b"samples: 0 to 0" in run("info", out).stdout
+    merged = run("merge", out, whole, "-o", tmp_path / "merged.exr")
+    assert merged.returncode == 1 and b"part of one pass" in merged.stderr and not (tmp_path / "merged.exr").exists()
+
+
+def test_a_part_of_light_tracing_is_as_bright_as_the_whole(tmp_path):
+    """All of it is splats: those of a share of the light paths count for all of them. The mean over the pixels that were done has a
+    standard error below 1 % , which is asked for."""
+    scene, out, whole = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "whole.exr"
+    scene.write_bytes(frames.scene(size=1024, samples=1))
+    process = subprocess.Popen([STOKES, "render", scene, "-o", out, "-q", "-t", "1", "-i", "lt"])
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(SECONDS) == 130
+    assert run("render", scene, "-o", whole, "-q", "-s", 1, "-i", "lt").returncode == 0
+    part, expected = exr.read(out), exr.read(whole)
+    done = part.channels["A"] == 1
+    assert 0.02 < done.mean() < 0.95
+    found, mean = part.channels["G"][done], expected.channels["G"][done].mean()
+    error = found.std() / len(found) ** 0.5
+    assert error < 0.03 * mean
+    assert abs(found.mean() - mean) < 6 * error
 
 
 def test_renders_and_edits_one_after_another_take_no_more_memory(server):
