@@ -252,7 +252,8 @@ static bool check_merge(const struct film *a, const struct film *b, stokes_error
         (a->bins && (a->bin_range.min != b->bin_range.min || a->bin_range.max != b->bin_range.max)))
         return fail(err, "merge", "spectral_bins", "the parts have different bins");
     if (a->part || b->part)
-        return fail(err, "merge", "samples", "a part of one pass, which was broken off, is no range of samples");
+        return fail(err, "merge", "samples",
+                    "a part of one pass, which was broken off, is no range of samples");
     if (a->first_sample < b->end_sample && b->first_sample < a->end_sample)
         return fail(err, "merge", "samples", "[%d, %d) and [%d, %d) overlap", a->first_sample, a->end_sample,
                     b->first_sample, b->end_sample);

@@ -25,17 +25,17 @@ struct film {
     int full_width, full_height;
     int bins; /* spectral bins, 0: none */
     struct range bin_range;
-    int channels;      /* 4 + bins: X, Y, Z, alpha, bins */
-    int64_t *sum;      /* channels per pixel, first row at the bottom */
+    int channels;                 /* 4 + bins: X, Y, Z, alpha, bins */
+    int64_t *sum;                 /* channels per pixel, first row at the bottom */
     int first_sample, end_sample; /* samples that are in, [first, end) */
-    bool part;           /* a pass that was broken off: one sample of some pixels, and no range (film_close_part) */
-    struct film *splats; /* borrowed: film_splat adds there instead; NULL: here */
+    bool part; /* a pass that was broken off: one sample of some pixels, and no range (film_close_part) */
+    struct film *splats;          /* borrowed: film_splat adds there instead; NULL: here */
     uint64_t saturated, rejected; /* sums at the limit; samples and splats that were negative or not finite */
 };
 
 /* Yours: film_destroy. NULL with *err: too large, or no memory. */
-struct film *film_create(int full_width, int full_height, const int border[4], int bins, struct range bin_range,
-                         stokes_error *err);
+struct film *film_create(int full_width, int full_height, const int border[4], int bins,
+                         struct range bin_range, stokes_error *err);
 void film_destroy(struct film *);
 void film_clear(struct film *);
 
@@ -79,7 +79,8 @@ struct film *film_read_exr(const char *path, char *fingerprint, size_t fingerpri
 /* The header alone: the working space that R, G, B are in, and each note in the order of writing. `space`
    and `note` may be NULL. */
 bool film_read_notes(const char *path, struct working_space *space,
-                     void (*note)(void *user, const char *key, const char *value), void *user, stokes_error *err);
+                     void (*note)(void *user, const char *key, const char *value), void *user,
+                     stokes_error *err);
 /* Adds b's sums to a. Ranges must touch without overlapping. Whatever the order of merging, the bits are
    the same. */
 bool film_merge(struct film *a, const struct film *b, stokes_error *err);

@@ -35,10 +35,10 @@ struct render {
     double start, progress_at, refresh_at, merge_s;
     atomic_size_t units_done;
     atomic_bool stopped;
-    uint8_t *done;       /* while the first pass is traced: which pixels of the film are; else NULL */
+    uint8_t *done;        /* while the first pass is traced: which pixels of the film are; else NULL */
     atomic_size_t traced; /* pixels of `area` of the first pass */
-    int batch_sample;    /* what the workers trace now: sample of unit 0 */
-    size_t batch_offset; /* units of the batch that earlier chunks have traced */
+    int batch_sample;     /* what the workers trace now: sample of unit 0 */
+    size_t batch_offset;  /* units of the batch that earlier chunks have traced */
 };
 
 static bool should_stop(void *context)

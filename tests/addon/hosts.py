@@ -33,7 +33,7 @@ class Host:
     def version(self):
         return tuple(int(part) for part in self.name.split("."))
 
-    def start(self, code, tmp_path, env=None):
+    def start(self, code, tmp_path, env=None, seconds=SECONDS):
         script = tmp_path / "script.py"
         script.write_text(INSIDE.read_text() + "\n\n" + code)
         environment = dict(
@@ -43,7 +43,7 @@ class Host:
         return subprocess.run(
             [*self.command, str(script)],
             env=environment,
-            timeout=SECONDS,
+            timeout=seconds,
             cwd=tmp_path,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -51,8 +51,8 @@ class Host:
             errors="replace",
         )
 
-    def run(self, code, tmp_path, env=None, status=0):
-        done = self.start(code, tmp_path, env)
+    def run(self, code, tmp_path, env=None, status=0, seconds=SECONDS):
+        done = self.start(code, tmp_path, env, seconds)
         assert status is None or done.returncode == status, done.stdout
         assert "Traceback" not in done.stdout, done.stdout
         told = [

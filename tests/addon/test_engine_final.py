@@ -5,7 +5,9 @@ import subprocess
 
 import pytest
 
-from hosts import oldest_and_newest
+from hosts import ROOT, oldest_and_newest
+
+CORE = ROOT / "build" / "stokes"
 
 RAMP = """
 def error_of_ramp(told, full, border=None):
@@ -275,47 +277,140 @@ def test_a_process_with_the_engine_registered_exits_clean(host, tmp_path):
     assert host.run("empty_scene(); bpy.ops.render.render(); tell(1)", tmp_path, status=0) == 1
 
 
-@oldest_and_newest
-def test_blender_outlives_a_core_killed_at_any_moment(host, tmp_path):
-    """Thirty kills at random moments from start to end; each render ends well or with one error,
-    and nothing is left: no process, no descriptor."""
-    told = host.run(
-        """
+KILLS = """
 import random, signal, threading, time
 from addon.core import client
-scene = empty_scene(samples=6)
-add_mesh()
-start = client.Client._start
-def start_and_kill(self, *arguments):
-    start(self, *arguments)
-    pid = self.pid
-    def kill():
+
+class Killer:
+    \"\"\"Kills every core that is started, after a random part of `seconds`.\"\"\"
+    def __init__(self, seconds, seed):
+        self.seconds, self.random, self.timers = seconds, random.Random(seed), []
+        self.start, client.Client._start = client.Client._start, lambda *arguments: self.begin(*arguments)
+
+    def begin(self, started, *arguments):
+        self.start(started, *arguments)
+        timer = threading.Timer(self.random.uniform(0, self.seconds), self.kill, (started.pid,))
+        self.timers.append(timer)
+        timer.start()
+
+    def kill(self, pid):
         try:
             os.kill(pid, signal.SIGKILL)
         except ProcessLookupError:
             pass
-    threading.Timer(delay.uniform(0, 0.3), kill).start()
-delay = random.Random(1)
-bpy.ops.render.render()
-before = len(os.listdir("/proc/self/fd"))
-client.Client._start = start_and_kill
-outcomes = {}
-for _ in range(30):
+
+    def stop(self):
+        client.Client._start = self.start
+        for timer in self.timers:
+            timer.join()
+
+def outcome(**arguments):
     try:
-        bpy.ops.render.render()
-        said = "rendered"
+        bpy.ops.render.render(**arguments)
     except RuntimeError as error:
-        said = str(error).strip()
-    outcomes[said] = outcomes.get(said, 0) + 1
-time.sleep(0.4)
-children = [pid for pid in open("/proc/self/task/%d/children" % os.getpid()).read().split()]
-tell([outcomes, len(os.listdir("/proc/self/fd")) - before, children])
+        return str(error).strip()
+    return "rendered"
+
+def kill_and_count(renders, seconds, seed):
+    before, outcomes = len(os.listdir("/proc/self/fd")), {}
+    killer = Killer(seconds, seed)
+    for _ in range(renders):
+        said = outcome()
+        outcomes[said] = outcomes.get(said, 0) + 1
+    killer.stop()
+    children = open("/proc/self/task/%d/children" % os.getpid()).read().split()
+    return outcomes, len(os.listdir("/proc/self/fd")) - before, children, outcome()
+"""
+KILLED = "Error: The core was killed by SIGKILL without a word"
+
+
+def assert_outlived(told, killed):
+    """Each render ended well or with one error, nothing is left, and the next one works."""
+    outcomes, descriptors, children, last = told
+    assert set(outcomes) <= {"rendered", KILLED} and outcomes.get(KILLED, 0) >= killed, outcomes
+    assert descriptors == 0 and children == [] and last == "rendered"
+
+
+@oldest_and_newest
+def test_blender_outlives_a_core_killed_at_any_moment(host, tmp_path):
+    told = host.run(
+        KILLS
+        + """
+scene = empty_scene(samples=6)
+add_mesh()
+bpy.ops.render.render()
+tell([kill_and_count(30, 0.3, 1)])
 """,
         tmp_path,
         env={"FAKE_CORE": "slow"},
         status=None,
     )
-    outcomes, descriptors, children = told
-    assert set(outcomes) <= {"rendered", "Error: The core was killed by SIGKILL without a word"}
-    assert outcomes["Error: The core was killed by SIGKILL without a word"] >= 5
-    assert descriptors == 0 and children == []
+    assert_outlived(told[0], 5)
+
+
+REAL_KILLS = (
+    KILLS
+    + """
+scene = empty_scene(samples=1 << 20, size=(320, 240))
+scene.stokes.time_limit = 0.2
+scene.world = bpy.data.worlds.new("World")
+for number in range(40):
+    shown = add_mesh("Mesh%d" % number)
+    shown.location, shown.rotation_euler = (number % 7 - 3, number // 7 - 3, 0), (number, 1, 2)
+    add_material("Material%d" % number, shown.data)
+bpy.ops.render.render()
+start = time.time()
+bpy.ops.render.render()
+tell([kill_and_count(RENDERS, time.time() - start, SEED)])
+"""
+)
+
+
+def kill_the_real_core(host, tmp_path, renders, seed, seconds):
+    if not CORE.exists():
+        pytest.skip("build/stokes is not built")
+    code = REAL_KILLS.replace("RENDERS", str(renders)).replace("SEED", str(seed))
+    told = host.run(code, tmp_path, env={"STOKES_CORE": str(CORE)}, status=None, seconds=seconds)
+    assert_outlived(told[0], renders // 4)
+
+
+@oldest_and_newest
+def test_blender_outlives_the_real_core_killed_at_any_moment(host, tmp_path):
+    """Anywhere from its start to its end: while it reads, builds its trees, renders, or leaves."""
+    kill_the_real_core(host, tmp_path, 10, 2, 60)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(4))
+def test_blender_outlives_a_thousand_kills(host, tmp_path, seed):
+    """A thousand over five Blenders."""
+    kill_the_real_core(host, tmp_path, 50, 3 + seed, 400)
+
+
+def test_a_killed_core_leaves_the_part_of_the_picture_that_there_is(host, tmp_path):
+    if not CORE.exists():
+        pytest.skip("build/stokes is not built")
+    told = host.run(
+        KILLS
+        + """
+scene = empty_scene(samples=1 << 20, size=(64, 48))
+scene.world = bpy.data.worlds.new("World")
+scene.world.color = (0.5, 0.5, 0.5)
+seen = client.Client.events
+def events(self, timeout=0.0):
+    told = seen(self, timeout)
+    if any(event.name == "tile" and event.members["samples"] > 0 for event in told):
+        os.kill(self.pid, signal.SIGKILL)
+    return told
+client.Client.events = events
+said = outcome()
+scene.render.image_settings.file_format = 'OPEN_EXR'
+bpy.data.images["Render Result"].save_render(os.path.join(TMP, "kept.exr"))
+values = pixels(os.path.join(TMP, "kept.exr"))[2]
+tell([said, sum(values[0::4]) / len(values[0::4])])
+""",
+        tmp_path,
+        env={"STOKES_CORE": str(CORE)},
+        status=None,
+    )
+    assert told[0] == KILLED and 0.05 < told[1] < 5
