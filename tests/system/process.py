@@ -10,6 +10,7 @@ import frames
 BUILT = pathlib.Path(__file__).parents[2] / "build" / "stokes"
 STOKES = pathlib.Path(os.environ.get("STOKES") or BUILT).resolve()
 SECONDS = 60  # for a process that has nothing to wait for; only a hang needs it
+SLOWER = float(os.environ.get("STOKES_SLOWER") or 1)  # than a release build, where the executable carries an instrument
 
 
 def run(*arguments, **options):
@@ -19,11 +20,11 @@ def run(*arguments, **options):
 
 
 class Server:
-    """`stokes serve` and what it has said."""
+    """`stokes serve` and what it has said. `before` is a command that runs it, such as an instrument's."""
 
-    def __init__(self, *arguments, fds=()):
+    def __init__(self, *arguments, fds=(), before=()):
         self.process = subprocess.Popen(
-            [STOKES, "serve", *map(str, arguments)],
+            [*before, STOKES, "serve", *map(str, arguments)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

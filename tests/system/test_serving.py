@@ -15,10 +15,10 @@ import exr
 import frames
 import pytest
 import scenes
-from process import SECONDS, STOKES, Server, run
+from process import SECONDS, SLOWER, STOKES, Server, run
 
 START = frames.hello() + frames.color() + frames.settings()
-QUICK = 0.1  # what a cancel may take
+QUICK = 0.1 * SLOWER  # what a cancel may take
 TRIES = 5
 
 

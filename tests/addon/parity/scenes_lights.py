@@ -108,7 +108,7 @@ def lamps_in_view():
         lamp.visible_camera = True
 
 
-@scene(samples=(64, 512), run="long")
+@scene(samples=(128, 1024), run="long")
 def three_lamps():
     still_life()
     light('POINT', 60, (-2, -2, 2), shadow_soft_size=0.1)
@@ -116,7 +116,7 @@ def three_lamps():
     light('SUN', 0.7, angle=0.1)
 
 
-@scene(samples=(64, 1024), run="long")
+@scene(samples=(96, 1536), run="long")
 def lamp_with_strength_node():
     """A light's own nodes multiply its power."""
     still_life()
