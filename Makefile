@@ -85,7 +85,7 @@ $(VENV)/.done: tests/requirements.txt
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check -r $<
 	@touch $@
 
--include tests/fuzz/fuzz.mk addon/addon.mk tests/bench/bench.mk tests/system/threads.mk
+-include tests/fuzz/fuzz.mk addon/addon.mk tests/bench/bench.mk tests/figures/figures.mk tests/system/threads.mk
 
 clean: ## remove everything built
 	rm -rf build

@@ -1,6 +1,7 @@
-"""The lens scene (supplemental §4.3): a lens before the camera and one before the lamp, so that
-neither a path from the camera nor a look at the lamp finds much light. No fluorescence: an orange
-floor, grey walls, a lamp with the same power at every wavelength, strongly dispersive glass."""
+"""The lens scene (supplemental §4.3): the camera looks through a lens, and all light leaves its lamp
+through another, so that neither a path from the camera nor a look at the lamp finds much light. No
+fluorescence: an orange floor, grey walls, a lamp with the same power at every wavelength, strongly
+dispersive glass."""
 
 import math
 import os
@@ -11,10 +12,14 @@ import build  # noqa: E402
 from mathutils import Matrix  # noqa: E402
 
 LOW, HIGH = (-1.0, -1.0, 0.0), (1.0, 1.0, 2.0)
-GREY, ORANGE = (0.2, 0.2, 0.2), (0.9, 0.7, 0.1)
+GREY, ORANGE, BLACK = (0.2, 0.2, 0.2), (0.9, 0.7, 0.1), (0.0, 0.0, 0.0)
 IOR, ABBE = 1.3, 23.0
-RADIANCE = 2000.0
+RADIANCE = 30000.0
 EYE = (0.0, -0.92, 1.0)
+# A lamp, a tube around it and a lens in the tube's mouth. Its beam falls straight down, before what
+# the camera sees of the floor: light that goes lens, floor, lens no connection can make.
+TORCH = (0.25, -0.35, 1.8)
+TORCH_RADIUS, TORCH_LENGTH = 0.2, 0.3
 
 
 def lens(name, radius, curvature, surface, matrix, rings=48, segments=128):
@@ -43,6 +48,31 @@ def lens(name, radius, curvature, surface, matrix, rings=48, segments=128):
     return shown
 
 
+def tube(name, radius, length, surface, matrix, segments=64):
+    """Open below, closed above; from its top down the local Z axis."""
+    points = [(0.0, 0.0, 0.0)] + [
+        (radius * math.cos(a), radius * math.sin(a), z)
+        for z in (0.0, -length)
+        for a in (2.0 * math.pi * k / segments for k in range(segments))
+    ]
+    faces = []
+    for k in range(segments):
+        a, b = 1 + k, 1 + (k + 1) % segments
+        faces += [(0, a, b), (a, a + segments, b + segments, b)]
+    build.mesh(name, points, faces, surface).matrix_world = matrix
+
+
+def torch(nodes, glass):
+    """The lens gathers the lamp's light into a beam."""
+    place = Matrix.Translation(TORCH)
+    tube("Tube", TORCH_RADIUS, TORCH_LENGTH, build.diffuse("Black", BLACK), place)
+    mouth = Matrix.Translation((0.0, 0.0, -TORCH_LENGTH))
+    lens("Lamp lens", TORCH_RADIUS, 0.22, glass, place @ mouth)
+    lamp = build.area_lamp("Lamp", (0.0, 0.0, 0.0), (0.06, 0.06), RADIANCE)
+    lamp.matrix_world = place @ Matrix.Translation((0.0, 0.0, -0.02))
+    build.shine(lamp, nodes.new(lamp.data.node_tree, "spectrum_constant", location=(-400, 300)))
+
+
 def main():
     options = build.arguments("lens", (640, 640), 256)
     scene = build.empty_scene()
@@ -54,14 +84,10 @@ def main():
         "Glass",
         lambda tree: nodes.new(tree, "dispersive_glass", sockets={"IOR": IOR, "Abbe Number": ABBE}),
     )
-    before_camera = Matrix.Translation((0.0, EYE[1] + 0.3, EYE[2])) @ Matrix.Rotation(
-        math.pi / 2, 4, 'X'
-    )
-    lens("Eye lens", 0.2, 1.5, glass, before_camera)
-    lens("Lamp lens", 0.25, 0.4, glass, Matrix.Translation((0.25, 0.2, 1.45)))
-    lamp = build.area_lamp("Lamp", (0.25, 0.2, 1.98), (0.06, 0.06), RADIANCE)
-    build.shine(lamp, nodes.new(lamp.data.node_tree, "spectrum_constant", location=(-400, 300)))
-    build.camera(EYE, (0.0, 0.0, 0.9), 20.0)
+    before_eye = Matrix.Translation((0.0, EYE[1] + 0.2, EYE[2]))
+    lens("Eye lens", 0.27, 0.8, glass, before_eye @ Matrix.Rotation(math.pi / 2, 4, 'X'))
+    torch(nodes, glass)
+    build.camera(EYE, (0.0, 0.0, 0.9), 26.0)
     scene.view_settings.view_transform = 'Standard'
     build.render("lens", options)
 

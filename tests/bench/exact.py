@@ -1,0 +1,223 @@
+"""`bdpt` against the others, scene by scene, in one run: mean squared error of luminance and of chroma against a long reference, at equal
+samples and at equal processor time, and what each is off by. Writes a table and plots.
+
+The reference is `bdpt` too (its agreement with `pt_nee` is what tests/system proves, and the table shows again), in two halves A and B of
+other seeds: the mean of (x − A)(x − B) is the mean squared error of x without the reference's own noise. Integrators take turns, so that a
+slow minute slows them all."""
+
+import argparse
+import hashlib
+import pathlib
+import statistics
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "figures"))
+
+import bench_scenes  # noqa: E402  (found by the line above)
+import kit  # noqa: E402
+
+KERNELS = ((100, 0), (50, 0.2), (20, 0.2), (10, 0))  # d0 in nm and s of mbdpt
+BIAS_LIMIT = 2.0  # %, of X, Y and Z: "low bias"
+MISSES = -20.0  # %, of Y: no comparison with a picture that lacks so much
+WHITE = np.array([0.95047, 1.0, 1.08883])
+SIZES = {  # resolution, samples of each half of the reference, seeds, samples
+    False: ((48, 36), 2048, 4, 128),
+    True: ((32, 24), 256, 2, 32),
+}
+
+
+class Method:
+    def __init__(self, integrator, kernel=None, lanes=None):
+        self.integrator, self.kernel, self.lanes = integrator, kernel, lanes
+        self.options = {"integrator": integrator}
+        if kernel:
+            self.options.update(d0=kernel[0], shrink=kernel[1])
+        if lanes:
+            self.options.update(lanes=lanes)
+
+    def label(self):
+        kernel = " d0=%g s=%g" % self.kernel if self.kernel else ""
+        return self.integrator + kernel + (" N=%d" % self.lanes if self.lanes and self.lanes > 1 else "")
+
+    def file(self):
+        return self.label().replace(" ", "-").replace("=", "")
+
+
+def methods(lanes):
+    found = []
+    for n in lanes if kit.has_option("lanes") else [None]:
+        found += [Method(name, None, n) for name in ("pt_nee", "lt", "bdpt")]
+        found += [Method("mbdpt", kernel, n) for kernel in KERNELS]
+    return found
+
+
+def channels(picture):
+    """Luminance, and two opponent axes that grey noise leaves alone: X/Xn − Y and Z/Zn − Y."""
+    scaled = picture / WHITE
+    return scaled[..., 1:2], scaled[..., [0, 2]] - scaled[..., 1:2]
+
+
+class Reference:
+    def __init__(self, scene, samples, folder):
+        key = hashlib.sha256(scene.read_bytes()).hexdigest()[:16]
+        self.halves = []
+        for half in (1, 2):
+            path = folder / ("%s-%s-%d-%d.exr" % (scene.stem, key, samples, half))
+            if not path.exists():
+                kit.render(scene, path.with_suffix(".part.exr"), integrator="bdpt", spp=samples, seed=1000 + half)
+                path.with_suffix(".part.exr").rename(path)
+            self.halves.append(kit.read_xyz(path))
+        self.picture = sum(self.halves) / 2
+        self.mean = self.picture.mean(axis=(0, 1))
+
+    def errors(self, picture):
+        """Mean squared error of luminance and of chroma over (mean Y)²."""
+        a, b = (channels(half) for half in self.halves)
+        x = channels(picture)
+        return np.array(
+            [((x[i] - a[i]) * (x[i] - b[i])).sum(axis=-1).mean() / self.mean[1] ** 2 for i in range(2)]
+        )
+
+    def noise(self):
+        """Of its mean X, Y, Z, %."""
+        means = np.array([half.mean(axis=(0, 1)) for half in self.halves])
+        return 100 * np.abs(means[0] - means[1]) / 2 / self.mean
+
+
+class Result:
+    """What one integrator gave in one scene, over its seeds."""
+
+    def __init__(self, method, counts):
+        self.method, self.counts = method, counts
+        self.errors, self.means, self.costs = [], [], []
+        self.picture = None
+
+    def cost(self):
+        """Processor seconds of a sample."""
+        return statistics.median(self.costs)
+
+    def noise(self):
+        """n·MSE/(mean Y)² of luminance and chroma with all samples, and their standard errors."""
+        last = np.array(self.errors)[:, -1] * self.counts[-1]
+        return last.mean(axis=0), last.std(axis=0, ddof=1) / np.sqrt(len(last))
+
+    def bias(self, reference):
+        """Off by, %, and its standard error."""
+        means = 100 * (np.array(self.means) / reference.mean - 1)
+        error = means.std(axis=0, ddof=1) / np.sqrt(len(means))
+        return means.mean(axis=0), np.hypot(error, reference.noise())
+
+
+def measure_scene(name, found, size, folder, progress):
+    resolution, reference_samples, seeds, samples = size
+    scene = bench_scenes.write(name, folder / "scenes", resolution)
+    progress("reference")
+    reference = Reference(scene, reference_samples, folder / "reference")
+    counts = [2**k for k in range(samples.bit_length())]
+    results = [Result(method, counts) for method in found]
+    pixels, out = resolution[0] * resolution[1], folder / "out" / "out.exr"
+    for seed in range(seeds):
+        for result in results:
+            progress("seed %d of %d, %s" % (seed + 1, seeds, result.method.label()))
+            options = dict(result.method.options, seed=seed + 1)
+            start = kit.render(scene, out, spp=1, **options)
+            whole = kit.render(scene, out, snapshots=True, spp=samples, **options)
+            result.costs.append(max(whole - start, 1e-9) / (pixels * (samples - 1)))
+            shots = [kit.read_xyz(kit.snapshot(out, count)) for count in counts]
+            result.errors.append([reference.errors(shot) for shot in shots])
+            result.means.append(shots[-1].mean(axis=(0, 1)))
+    equal_time(scene, results, samples, out, progress)
+    return reference, results
+
+
+def equal_time(scene, results, samples, out, progress):
+    """Pictures that took each as long as `bdpt` takes for its samples."""
+    budget = samples * next(r.cost() for r in results if r.method.integrator == "bdpt")
+    for result in results:
+        progress("at equal time, %s" % result.method.label())
+        result.spp = max(1, round(budget / result.cost()))
+        result.picture = kit.picture_of(scene, out, spp=result.spp, seed=77, **result.method.options)
+
+
+# --- What it says ------------------------------------------------------------------------------------
+
+
+def table(name, reference, results):
+    lines = [
+        "## %s" % bench_scenes.TITLES[name],
+        "",
+        "| integrator | µs a sample | n·MSE luminance | n·MSE chroma | at equal time: luminance | chroma | off by, %: X | Y | Z |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    base = next(r for r in results if r.method.integrator == "bdpt" and not (r.method.lanes or 1) > 1)
+    base_rate = base.cost() * base.noise()[0]
+    for result in results:
+        noise, error = result.noise()
+        bias, bias_error = result.bias(reference)
+        gains = base_rate / (result.cost() * noise) * (bias[1] > MISSES)
+        lines.append(
+            "| %s | %.2f | %s | %s | %s | %s | %s | %s | %s |"
+            % (
+                result.method.label(),
+                1e6 * result.cost(),
+                *("%.3g ± %.1g" % pair for pair in zip(noise, error)),
+                *("%.2f×" % gain if gain > 0 else "–" for gain in gains),
+                *("%+.2f ± %.2f" % pair for pair in zip(bias, bias_error)),
+            )
+        )
+    return lines + ["", verdict(reference, results), ""]
+
+
+def best(results):
+    """Per channel, the least processor time × error."""
+    return np.min([r.cost() * r.noise()[0] for r in results], axis=0)
+
+
+def verdict(reference, results):
+    exact = [r for r in results if r.method.integrator == "bdpt"]
+    low = [r for r in results if r.method.kernel and (np.abs(r.bias(reference)[0]) < BIAS_LIMIT).all()]
+    if not low:
+        return "No `mbdpt` here is off by less than %g %% in X, Y and Z." % BIAS_LIMIT
+    gain = best(low) / best(exact)
+    names = ", ".join(r.method.label() for r in low)
+    return (
+        "At equal time the squared error of the best `mbdpt` that is off by less than %g %% (of %s) is %.2f times that of the best `bdpt` "
+        "in luminance and %.2f times in chroma." % (BIAS_LIMIT, names, *gain)
+    )
+
+
+HEAD = """# Exact connections against the rest
+
+n·MSE is the mean squared error over (mean Y)² times the number of samples per pixel: what one sample has. "At equal time" is how much
+less squared error a second of processor time leaves than `bdpt` (without lanes) does: above 1× is better than it. Luminance is Y; chroma is
+(X/Xn − Y, Z/Zn − Y). ± is one standard error; – stands where a fifth of the light or more is missing. `lt` leaves out what the camera sees in mirrors and glass.
+%s
+"""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--output", type=pathlib.Path, default=kit.ROOT / "build" / "bench")
+    parser.add_argument("--scenes", nargs="+", default=list(bench_scenes.TITLES), choices=list(bench_scenes.TITLES))
+    parser.add_argument("--lanes", nargs="+", type=int, default=[1, 4, 8])
+    options = parser.parse_args()
+    size = SIZES[kit.QUICK]
+    found = methods(options.lanes)
+    lanes = "" if kit.has_option("lanes") else "\nThis core has no `--lanes`: every path has one wavelength.\n"
+    lines, done = (HEAD % lanes).split("\n"), {}
+    for name in options.scenes:
+        done[name] = measure_scene(name, found, size, options.output, lambda text: kit.say("%s: %s" % (name, text)))
+        lines += table(name, *done[name])
+        kit.say("\n".join(table(name, *done[name])))
+        (options.output / "exact.md").write_text("\n".join(lines), encoding="utf-8")
+    import exact_plots
+
+    exact_plots.error_over_time(done, size, options.output / "exact-error.png")
+    exact_plots.side_by_side(done, options.output / "exact-pictures.png")
+    kit.say("wrote", *sorted(str(path) for path in options.output.glob("exact*")))
+
+
+if __name__ == "__main__":
+    main()
