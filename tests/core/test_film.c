@@ -1,6 +1,6 @@
 /* The film in memory: sums that no order of threads can change, the overflow rule, resolving, and the pixel
    filter. */
-#include "film/film.h"
+#include "film_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -15,24 +15,6 @@
 
 #define UNITS ((double)((int64_t)1 << FILM_FRACTION_BITS))
 #define KAPPA 0.01
-static const int whole[4] = {0, 0, 40, 30}, corner[4] = {8, 10, 37, 28};
-static const struct range visible = {380, 780};
-
-static struct film *make_film(const int border[4], int bins)
-{
-    stokes_error err;
-    struct film *film = film_create(40, 30, border, bins, visible, &err);
-    assert_non_null(film);
-    return film;
-}
-
-static bool same_sums(const struct film *a, const struct film *b)
-{
-    size_t count = (size_t)a->width * (size_t)a->height * (size_t)a->channels;
-    return a->width == b->width && a->height == b->height && a->channels == b->channels &&
-           memcmp(a->sum, b->sum, count * sizeof *a->sum) == 0 && a->first_sample == b->first_sample &&
-           a->end_sample == b->end_sample && a->saturated == b->saturated && a->rejected == b->rejected;
-}
 
 /* --- Sums ------------------------------------------------------------------------------------------ */
 
@@ -69,14 +51,14 @@ static void sums_are_the_same_bits_in_any_order_of_threads(void **state)
     (void)state;
     const double strengths[2] = {2, 0x1p28}; /* the second drives many sums into the limit */
     for (int s = 0; s < 2; s++) {
-        struct film *one = make_film(whole, 8), *many = make_film(whole, 8);
+        struct film *one = kit_film(kit_whole, 8), *many = kit_film(kit_whole, 8);
         struct crowd forward = {one, 1, strengths[s]}, jumping = {many, 7919, strengths[s]};
         thread_run(1, 20011, add_some, NULL, &forward);
         thread_run(4, 20011, add_some, NULL, &jumping);
         assert_true(one->rejected > 0);
         assert_true((one->saturated > 0) == (s == 1));
         /* The rejected ones sit at fixed indices of the loop, so both see the same number of them. */
-        assert_true(same_sums(one, many));
+        assert_true(kit_same(one, many));
         film_destroy(one);
         film_destroy(many);
     }
@@ -85,7 +67,7 @@ static void sums_are_the_same_bits_in_any_order_of_threads(void **state)
 static void a_sample_lands_rounded_once_in_its_pixel_and_bin(void **state)
 {
     (void)state;
-    struct film *film = make_film(corner, 4); /* bins of 100 nm */
+    struct film *film = kit_film(kit_corner, 4); /* bins of 100 nm */
     double bin[4];
     struct film_sample sample = {.bin = bin};
     film_sample_clear(film, &sample);
@@ -118,7 +100,7 @@ static void a_sample_lands_rounded_once_in_its_pixel_and_bin(void **state)
 static void whatever_is_not_finite_or_negative_is_rejected_and_counted(void **state)
 {
     (void)state;
-    struct film *film = make_film(whole, 4), *empty = make_film(whole, 4);
+    struct film *film = kit_film(kit_whole, 4), *empty = kit_film(kit_whole, 4);
     const double bad[4] = {NAN, INFINITY, -INFINITY, -1};
     double bin[4];
     for (int i = 0; i < 4; i++) {
@@ -131,7 +113,7 @@ static void whatever_is_not_finite_or_negative_is_rejected_and_counted(void **st
     }
     assert_int_equal(film->rejected, 8);
     film->rejected = 0;
-    assert_true(same_sums(film, empty));
+    assert_true(kit_same(film, empty));
     film_destroy(film);
     film_destroy(empty);
 }
@@ -139,7 +121,7 @@ static void whatever_is_not_finite_or_negative_is_rejected_and_counted(void **st
 static void an_undershoot_that_rounds_to_zero_is_no_reason_to_reject(void **state)
 {
     (void)state;
-    struct film *film = make_film(whole, 0);
+    struct film *film = kit_film(kit_whole, 0);
     film_add(film, 0, 0, &(struct film_sample){.xyz = {0.5, 0.25, -1e-21}, .alpha = 1});
     assert_int_equal(film->rejected, 0);
     assert_int_equal(film->sum[0], (int64_t)(UNITS / 2));
@@ -150,7 +132,7 @@ static void an_undershoot_that_rounds_to_zero_is_no_reason_to_reject(void **stat
 static void a_sum_that_reaches_the_limit_stays_there_and_is_counted_once(void **state)
 {
     (void)state;
-    struct film *film = make_film(whole, 1);
+    struct film *film = kit_film(kit_whole, 1);
     for (int i = 0; i < 5; i++)
         film_splat(film, 2, 2, 0x1p33, 500, KAPPA);
     film_splat(film, 2, 2, 1e300, 500, KAPPA);
@@ -167,7 +149,7 @@ static void a_sum_that_reaches_the_limit_stays_there_and_is_counted_once(void **
 static void resolving_gives_the_mean_in_the_working_space(void **state)
 {
     (void)state;
-    struct film *film = make_film(whole, 0);
+    struct film *film = kit_film(kit_whole, 0);
     struct working_space space;
     working_space_rec709(&space);
     int64_t *sum = film->sum + (29 * 40 + 39) * film->channels;
@@ -192,7 +174,8 @@ static void resolving_gives_the_mean_in_the_working_space(void **state)
 static void splats_apart_and_together_have_the_same_bits(void **state)
 {
     (void)state;
-    struct film *together = make_film(whole, 8), *apart = make_film(whole, 8), *splats = make_film(whole, 8);
+    struct film *together = kit_film(kit_whole, 8), *apart = kit_film(kit_whole, 8),
+                *splats = kit_film(kit_whole, 8);
     struct crowd one = {together, 1, 0x1p28}, two = {apart, 1, 0x1p28};
     apart->splats = splats;
     thread_run(2, 20011, add_some, NULL, &one);
@@ -200,7 +183,7 @@ static void splats_apart_and_together_have_the_same_bits(void **state)
     apart->splats = NULL;
     apart->end_sample = together->end_sample = 1;
     assert_true(film_merge(splats, apart, NULL));
-    assert_true(same_sums(splats, together));
+    assert_true(kit_same(splats, together));
     film_destroy(together);
     film_destroy(apart);
     film_destroy(splats);
@@ -210,7 +193,7 @@ static void splats_apart_and_together_have_the_same_bits(void **state)
 static void a_part_of_a_pass_shows_its_pixels_and_is_not_merged(void **state)
 {
     (void)state;
-    struct film *part = make_film(whole, 2), *splats = make_film(whole, 2);
+    struct film *part = kit_film(kit_whole, 2), *splats = kit_film(kit_whole, 2);
     uint8_t done[40 * 30] = {[41] = 1};
     size_t at = 41 * (size_t)part->channels;
     stokes_error err;
@@ -239,14 +222,14 @@ static void what_is_no_picture_is_refused(void **state)
     const int bad[5][4] = {{-1, 0, 4, 4}, {0, 0, 41, 4}, {5, 0, 5, 4}, {0, 9, 4, 8}, {0, 0, 4, 31}};
     stokes_error err;
     for (int i = 0; i < 5; i++)
-        assert_null(film_create(40, 30, bad[i], 0, visible, &err));
+        assert_null(film_create(40, 30, bad[i], 0, kit_range, &err));
     assert_string_equal(err.property, "border");
-    assert_null(film_create(0, 30, whole, 0, visible, &err));
-    assert_null(film_create(1 << 20, 1 << 20, whole, 0, visible, &err));
-    assert_null(film_create(40, 30, whole, -1, visible, &err));
-    assert_null(film_create(40, 30, whole, FILM_BINS_MAX + 1, visible, &err));
-    assert_null(film_create(40, 30, whole, 4, (struct range){500, 500}, &err));
-    assert_null(film_create(40, 30, whole, 4, (struct range){NAN, 500}, &err));
+    assert_null(film_create(0, 30, kit_whole, 0, kit_range, &err));
+    assert_null(film_create(1 << 20, 1 << 20, kit_whole, 0, kit_range, &err));
+    assert_null(film_create(40, 30, kit_whole, -1, kit_range, &err));
+    assert_null(film_create(40, 30, kit_whole, FILM_BINS_MAX + 1, kit_range, &err));
+    assert_null(film_create(40, 30, kit_whole, 4, (struct range){500, 500}, &err));
+    assert_null(film_create(40, 30, kit_whole, 4, (struct range){NAN, 500}, &err));
 }
 
 /* --- The filter ------------------------------------------------------------------------------------ */

@@ -1,6 +1,6 @@
 /* The film's files: the same bits come back, parts merge in any order, a full disk leaves what was there, and a
    file that lies is an error. */
-#include "film/film.h"
+#include "film_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -19,24 +19,6 @@
 #include <cmocka.h>
 
 #define UNITS ((double)((int64_t)1 << FILM_FRACTION_BITS))
-static const int whole[4] = {0, 0, 40, 30}, corner[4] = {8, 10, 37, 28};
-static const struct range visible = {380, 780};
-
-static struct film *make_film(const int border[4], int bins)
-{
-    stokes_error err;
-    struct film *film = film_create(40, 30, border, bins, visible, &err);
-    assert_non_null(film);
-    return film;
-}
-
-static bool same_sums(const struct film *a, const struct film *b)
-{
-    size_t count = (size_t)a->width * (size_t)a->height * (size_t)a->channels;
-    return a->width == b->width && a->height == b->height && a->channels == b->channels &&
-           memcmp(a->sum, b->sum, count * sizeof *a->sum) == 0 && a->first_sample == b->first_sample &&
-           a->end_sample == b->end_sample && a->saturated == b->saturated && a->rejected == b->rejected;
-}
 
 static char directory[64];
 
@@ -116,11 +98,11 @@ static void an_exr_gives_back_the_same_bits(void **state)
     const int bins[3] = {0, 1, 53};
     for (int i = 0; i < 3; i++)
         for (int cropped = 0; cropped < 2; cropped++) {
-            struct film *film = make_film(cropped ? corner : whole, bins[i]);
+            struct film *film = kit_film(cropped ? kit_corner : kit_whole, bins[i]);
             fill(film, 77, 32, 96);
             write_film(film, in_directory("film.exr"));
             struct film *back = read_film(in_directory("film.exr"));
-            assert_true(same_sums(film, back));
+            assert_true(kit_same(film, back));
             assert_true(back->x0 == film->x0 && back->y0 == film->y0 && back->full_width == 40 &&
                         back->bins == bins[i]);
             assert_true(!bins[i] || (back->bin_range.min == 380 && back->bin_range.max == 780));
@@ -144,7 +126,7 @@ static void hear(void *user, const char *key, const char *value)
 static void an_exr_gives_back_its_notes_and_working_space(void **state)
 {
     (void)state;
-    struct film *film = make_film(whole, 0);
+    struct film *film = kit_film(kit_whole, 0);
     struct working_space wanted, found;
     working_space_rec709(&wanted);
     fill(film, 1, 0, 1);
@@ -172,7 +154,7 @@ static bool keep_row(void *user, size_t channel, int y, const void *values, stok
 static void bins_are_radiance_per_nanometre_named_by_their_centre(void **state)
 {
     (void)state;
-    struct film *film = make_film(whole, 20); /* 20 nm each */
+    struct film *film = kit_film(kit_whole, 20); /* 20 nm each */
     film->end_sample = 8;
     film->sum[(4 * 40 + 3) * film->channels + 4 + 7] =
         (int64_t)(UNITS * 8 * 3); /* radiance 3 in the bin 520–540 nm */
@@ -196,7 +178,7 @@ static void merging_in_any_order_gives_the_same_bits(void **state)
     const int orders[4][4] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {1, 2, 0, 3}, {2, 1, 3, 0}};
     struct film *part[4], *result[5];
     for (int i = 0; i < 4; i++) {
-        part[i] = make_film(corner, 3);
+        part[i] = kit_film(kit_corner, 3);
         fill(part[i], 10 + (uint32_t)i, 16 * i, 16 * i + 16);
         part[i]->sum[9] = FILM_SUM_MAX / 4 * (i + 1); /* passes the limit on the way, in most orders */
     }
@@ -205,13 +187,13 @@ static void merging_in_any_order_gives_the_same_bits(void **state)
         result[o] = read_film(in_directory("part.exr"));
         for (int i = 1; i < 4; i++)
             assert_true(film_merge(result[o], part[orders[o][i]], NULL));
-        assert_true(same_sums(result[0], result[o]));
+        assert_true(kit_same(result[0], result[o]));
     }
     assert_true(film_merge(part[0], part[1], NULL) && film_merge(part[2], part[3], NULL));
     assert_true(film_merge(part[0], part[2], NULL)); /* pairs first */
     result[4] = part[0];
     part[0] = NULL;
-    assert_true(same_sums(result[0], result[4]));
+    assert_true(kit_same(result[0], result[4]));
     assert_true(result[0]->first_sample == 0 && result[0]->end_sample == 64 && result[0]->rejected == 46);
     assert_true(result[0]->sum[9] == FILM_SUM_MAX && result[0]->saturated == 2);
     for (int i = 0; i < 5; i++)
@@ -223,8 +205,8 @@ static void merging_in_any_order_gives_the_same_bits(void **state)
 static void parts_that_do_not_fit_are_refused_by_name(void **state)
 {
     (void)state;
-    struct film *a = make_film(whole, 3), *b = make_film(whole, 3), *small = make_film(corner, 3),
-                *plain = make_film(whole, 0);
+    struct film *a = kit_film(kit_whole, 3), *b = kit_film(kit_whole, 3), *small = kit_film(kit_corner, 3),
+                *plain = kit_film(kit_whole, 0);
     stokes_error err;
     a->end_sample = 10;
     b->first_sample = small->first_sample = plain->first_sample = 10;
@@ -265,7 +247,7 @@ static void limit_files(rlim_t bytes)
 static void a_full_disk_gives_one_error_and_leaves_what_was_there(void **state)
 {
     (void)state;
-    struct film *film = make_film(whole, 5);
+    struct film *film = kit_film(kit_whole, 5);
     struct working_space space;
     working_space_rec709(&space);
     fill(film, 6, 0, 4);
@@ -298,7 +280,7 @@ static void a_full_disk_gives_one_error_and_leaves_what_was_there(void **state)
 static void a_file_cut_anywhere_is_an_error(void **state)
 {
     (void)state;
-    struct film *film = make_film(corner, 2);
+    struct film *film = kit_film(kit_corner, 2);
     fill(film, 8, 0, 4);
     write_film(film, in_directory("film.exr"));
     long size = file_size(in_directory("film.exr"));
@@ -325,7 +307,7 @@ static void a_file_cut_anywhere_is_an_error(void **state)
 static void a_file_with_wrong_bytes_is_survived(void **state)
 {
     (void)state;
-    struct film *film = make_film(corner, 2);
+    struct film *film = kit_film(kit_corner, 2);
     fill(film, 8, 0, 4);
     write_film(film, in_directory("film.exr"));
     long size = file_size(in_directory("film.exr"));
@@ -355,7 +337,7 @@ static void a_file_with_wrong_bytes_is_survived(void **state)
 static void a_sum_out_of_range_in_a_file_is_an_error(void **state)
 {
     (void)state;
-    struct film *film = make_film(corner, 2);
+    struct film *film = kit_film(kit_corner, 2);
     fill(film, 8, 0, 4);
     film->sum[7] = -1;
     write_film(film, in_directory("film.exr"));
