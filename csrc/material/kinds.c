@@ -4,11 +4,11 @@
 #include "material/lobe.h"
 
 extern const struct bsdf_kind bsdf_diffuse, bsdf_fluorescent, bsdf_reradiation_matrix, bsdf_dielectric,
-    bsdf_conductor, bsdf_glossy, bsdf_transparent, bsdf_translucent, bsdf_principled;
+    bsdf_conductor, bsdf_glossy, bsdf_transparent, bsdf_translucent, bsdf_principled, bsdf_holdout;
 
 static const struct bsdf_kind *const kinds[] = {
     &bsdf_diffuse, &bsdf_fluorescent,  &bsdf_reradiation_matrix, &bsdf_dielectric,  &bsdf_conductor,
-    &bsdf_glossy,  &bsdf_transparent, &bsdf_translucent, &bsdf_principled,
+    &bsdf_glossy,  &bsdf_transparent, &bsdf_translucent, &bsdf_principled, &bsdf_holdout,
 };
 
 const struct bsdf_kind *bsdf_kind_at(size_t index)

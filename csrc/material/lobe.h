@@ -111,6 +111,7 @@ struct lobe_plan {
     float luminance;                 /* of a constant base colour, where `compile` set it */
     struct fluorophore *fluorophore; /* of fluorescent lobes; inside data */
     bool is_transparent;             /* passes straight: part of material_transmittance */
+    bool is_holdout;                 /* part of material_holdout; no lobe of any surface */
 };
 
 struct compiler; /* compile.c */

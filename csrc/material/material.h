@@ -174,6 +174,10 @@ int surface_fluorophore(const struct surface *, int f);
 float material_transmittance(const struct material *, const struct hit *, struct vec3 viewing, float lambda);
 bool material_may_be_transparent(const struct material *);
 
+/* How much of the surface is a hole in the picture (`holdout`), in [0,1]: what alpha loses where a camera ray that only transparent
+   surfaces have touched ends here. Such lobes scatter nothing. */
+float material_holdout(const struct material *, const struct hit *, struct vec3 viewing);
+
 /* Emitted spectral radiance into the hemisphere of `out` (zero on the back of one-sided emission). */
 float material_emission(const struct material *, const struct hit *, struct vec3 out, float lambda);
 bool material_emits(const struct material *);

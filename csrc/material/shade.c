@@ -159,7 +159,7 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
     for (int i = 0; i < m->lobe_count; i++) {
         const struct lobe_plan *plan = &m->lobe[i];
         struct lobe *lobe = &s->lobe[s->lobe_count];
-        if (plan->is_transparent) /* passed by the path code, by material_transmittance */
+        if (plan->is_transparent || plan->is_holdout) /* the path code asks for these by themselves */
             continue;
         lobe->weight = weight_of(&plan->factors, &factors, lobe->view, LOBE_VIEW_FACTORS, &lobe->view_count);
         if (!(lobe->weight > 0))
@@ -191,6 +191,17 @@ float material_transmittance(const struct material *m, const struct hit *hit, st
         }
     }
     return sum;
+}
+
+float material_holdout(const struct material *m, const struct hit *hit, struct vec3 viewing)
+{
+    struct shading_point point = shading_point_of(m, hit, viewing);
+    struct factor_values factors = {.material = m, .point = &point};
+    float sum = 0;
+    for (int i = 0; i < m->lobe_count; i++)
+        if (m->lobe[i].is_holdout)
+            sum += factors_weight(&m->lobe[i].factors, &factors, viewing);
+    return fminf(sum, 1);
 }
 
 bool material_may_be_transparent(const struct material *m)

@@ -177,6 +177,11 @@ float scene_visibility_distant(const struct scene *scene, struct vec3 from, stru
     return accel_transmittance(scene, from, direction, INFINITY, lambda);
 }
 
+bool scene_hit_is_holdout(const struct scene *scene, const struct hit *hit)
+{
+    return scene->objects[hit->instance].instances->holdout;
+}
+
 uint32_t scene_hit_kinds(const struct scene *scene, const struct hit *hit)
 {
     return scene->objects[hit->instance].instances->mask;

@@ -28,6 +28,9 @@ float scene_visibility_distant(const struct scene *, struct vec3 from, struct ve
 /* Which kinds of ray (enum ray_kind) see what was hit. An edge of a path is a ray that leaves its end on the camera's side, whoever traced it. */
 uint32_t scene_hit_kinds(const struct scene *, const struct hit *);
 
+/* True of an object that is a hole in the picture: camera rays end there, black and with alpha 0. All other rays see it as it is. */
+bool scene_hit_is_holdout(const struct scene *, const struct hit *);
+
 /* A ray's origin moved off the surface, to the side that `direction` leaves to. */
 struct vec3 scene_offset(const struct hit *, struct vec3 direction);
 

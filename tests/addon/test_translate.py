@@ -71,6 +71,7 @@ told["diffuse"] = surface(give(node("ShaderNodeBsdfDiffuse"), Color=(1, .5, .25,
 told["glass"] = surface(give(node("ShaderNodeBsdfGlass"), Color=(1, 1, .5, 1), IOR=1.7, Roughness=0))
 told["refraction"] = surface(give(node("ShaderNodeBsdfRefraction"), IOR=1.3, Roughness=0))
 told["translucent"] = surface(node("ShaderNodeBsdfTranslucent"))
+told["holdout"] = surface(node("ShaderNodeHoldout"))
 told["transparent"] = surface(give(node("ShaderNodeBsdfTransparent"), Color=(.5, .5, .5, 1)))
 told["emission"] = surface(give(node("ShaderNodeEmission"), Color=(1, .5, 0, 1), Strength=3))
 glossy = node("ShaderNodeBsdfAnisotropic", distribution='GGX')
@@ -87,6 +88,7 @@ tell(told)
     assert found["glass"]["reflect_color"] == found["glass"]["transmit_color"] == {"rgb": [1, 1, 0.5]}
     assert found["refraction"]["lobes"] == "refract" and found["refraction"]["ior"] == 1.3
     assert found["translucent"] == {"bsdf": "translucent", "reflectance": {"rgb": [0.8, 0.8, 0.8]}}
+    assert found["holdout"] == {"bsdf": "holdout"}
     assert found["transparent"] == {"bsdf": "transparent", "color": {"rgb": [0.5, 0.5, 0.5]}}
     assert found["emission"] == {"emission": {"rgb": [1, 0.5, 0], "scale": 3}, "two_sided": True}
     assert found["glossy"] == {"bsdf": "glossy", "color": {"rgb": [0.8, 0.8, 0.8]}, "roughness": 0.25, **model}

@@ -201,6 +201,25 @@ static void shadow_rays_see_the_weight_and_colour_of_transparent_lobes(void **st
     material_destroy(m);
 }
 
+static void a_holdout_is_its_weight_and_scatters_nothing(void **state)
+{
+    (void)state;
+    struct material *m = kit_compile(kit_mix(diffuse(0.5f), kit_bsdf("holdout"), kit_value(0.25f)));
+    struct hit hit = kit_hit(UP, UP);
+    assert_float_equal(material_holdout(m, &hit, UP), 0.25, 1e-6);
+    assert_false(material_may_be_transparent(m));
+    struct surface s = kit_surface(m, UP, UP);
+    assert_int_equal(s.lobe_count, 1);
+    assert_float_equal(surface_elastic(&s, UP, UP, 500), 0.75 * 0.5 / M_PI, 1e-6);
+    material_destroy(m);
+    m = kit_compile(kit_add(kit_bsdf("holdout"), kit_bsdf("holdout")));
+    assert_true(material_holdout(m, &hit, UP) == 1);
+    material_destroy(m);
+    m = kit_compile(diffuse(0.5f));
+    assert_true(material_holdout(m, &hit, UP) == 0);
+    material_destroy(m);
+}
+
 /* --- Textures ------------------------------------------------------------------------------------------------ */
 
 /* Two texels wide, one high; left black, right `right`. */
@@ -553,6 +572,7 @@ int main(void)
         cmocka_unit_test(what_a_factor_cannot_keep_symbolic_is_warned_of),
         cmocka_unit_test(backfacing_tells_the_sides_apart),
         cmocka_unit_test(shadow_rays_see_the_weight_and_colour_of_transparent_lobes),
+        cmocka_unit_test(a_holdout_is_its_weight_and_scatters_nothing),
         cmocka_unit_test(a_textured_factor_masks_per_texel),
         cmocka_unit_test(a_textured_concentration_varies_the_dye),
         cmocka_unit_test(colour_textures_are_upsampled_reflectances_and_emissions),

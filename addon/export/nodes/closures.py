@@ -145,8 +145,7 @@ def volume(node, graph):
 
 @translates("ShaderNodeHoldout")
 def holdout(node, graph):
-    graph.warn(node, "is rendered black and opaque; use the object's own Holdout setting")
-    return None
+    return graph.bsdf("holdout")
 
 
 @translates("ShaderNodeEmission", "ShaderNodeBackground")
