@@ -113,11 +113,10 @@ def quad(name, corners, surface):
     return mesh(name, corners, [(0, 1, 2, 3)], surface)
 
 
-def box(low, high, walls):
-    """Walls of a box that look inward; `walls` maps floor, ceiling, left, right, back, front to a
-    material, or leaves a side open. X runs to the right, Y to the back, Z up."""
+def corners(low, high):
+    """The four corners of each side of a box, so that its front looks inward."""
     (x0, y0, z0), (x1, y1, z1) = low, high
-    corners = {
+    return {
         "floor": ((x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0)),
         "ceiling": ((x0, y0, z1), (x0, y1, z1), (x1, y1, z1), (x1, y0, z1)),
         "left": ((x0, y0, z0), (x0, y1, z0), (x0, y1, z1), (x0, y0, z1)),
@@ -125,8 +124,19 @@ def box(low, high, walls):
         "back": ((x0, y1, z0), (x1, y1, z0), (x1, y1, z1), (x0, y1, z1)),
         "front": ((x0, y0, z0), (x0, y0, z1), (x1, y0, z1), (x1, y0, z0)),
     }
+
+
+def box(low, high, walls):
+    """Walls of a box that look inward; `walls` maps floor, ceiling, left, right, back, front to a
+    material, or leaves a side open. X runs to the right, Y to the back, Z up."""
     for side, surface in walls.items():
-        quad(side.capitalize(), corners[side], surface)
+        quad(side.capitalize(), corners(low, high)[side], surface)
+
+
+def block(name, low, high, surface):
+    """A closed box in one piece whose sides look outward."""
+    points = [point for side in corners(low, high).values() for point in reversed(side)]
+    return mesh(name, points, [tuple(range(i, i + 4)) for i in range(0, 24, 4)], surface)
 
 
 def sphere(name, center, radius, surface, segments=160):
