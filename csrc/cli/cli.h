@@ -13,6 +13,7 @@ int cli_render(int argc, char **argv);
 int cli_merge(int argc, char **argv);
 int cli_info(int argc, char **argv);
 int cli_spectrum(int argc, char **argv);
+int cli_matrix(int argc, char **argv);
 int cli_serve(int argc, char **argv);
 
 /* Prints `stokes: object: property: text` and returns CLI_FAILED. */

@@ -13,6 +13,7 @@ static const struct command {
     {"merge", "merge EXRs of disjoint sample ranges", cli_merge},
     {"info", "say what a scene file or an EXR holds", cli_info},
     {"spectrum", "list the spectrum library, or print an entry", cli_spectrum},
+    {"matrix", "import, export and show reradiation matrices", cli_matrix},
     {"serve", "speak the stream on stdin and stdout (for the add-on)", cli_serve},
 };
 

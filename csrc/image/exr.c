@@ -140,12 +140,15 @@ static bool set_header(struct exr_file *file, const struct exr_layout *layout)
     return good && exr_write_header(context) == EXR_ERR_SUCCESS;
 }
 
-static size_t channel_index(const struct exr_channel *channels, size_t count, const char *name)
+/* The channel of that name; `count` if there is none. The search begins behind the last one found, as both lists tend to have one order. */
+static size_t channel_index(const struct exr_channel *channels, size_t count, const char *name, size_t *last)
 {
-    size_t i = 0;
-    while (i < count && strcmp(channels[i].name, name) != 0)
-        i++;
-    return i;
+    for (size_t i = 0; i < count; i++) {
+        size_t at = (*last + 1 + i) % count;
+        if (strcmp(channels[at].name, name) == 0)
+            return *last = at;
+    }
+    return count;
 }
 
 /* One chunk's rows, planar: every channel of the file in turn, `height` rows each. */
@@ -170,12 +173,13 @@ static bool write_chunk(struct exr_file *file, struct chunk_writer *w, exr_encod
                                    : exr_encoding_update(file->context, PART, &info, pipeline);
     if (result != EXR_ERR_SUCCESS)
         return false;
+    size_t last = 0;
     for (int c = 0; c < pipeline->channel_count; c++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[c];
         unsigned char *rows = w->rows + (size_t)c * (size_t)w->rows_per_chunk * row_bytes;
         if (top == 0)
             w->source_channel[c] =
-                channel_index(w->layout->channels, w->layout->channel_count, channel->channel_name);
+                channel_index(w->layout->channels, w->layout->channel_count, channel->channel_name, &last);
         for (int row = 0; row < info.height; row++)
             w->source(w->user, w->source_channel[c], w->layout->height - 1 - top - row,
                       rows + (size_t)row * row_bytes);
@@ -368,6 +372,23 @@ const char *exr_text_named(struct exr_file *file, const char *name)
     return NULL;
 }
 
+size_t exr_channel_count(struct exr_file *file)
+{
+    const exr_attr_chlist_t *list;
+    return exr_get_channels(file->context, PART, &list) == EXR_ERR_SUCCESS && list->num_channels > 0
+               ? (size_t)list->num_channels
+               : 0;
+}
+
+const char *exr_channel_at(struct exr_file *file, size_t index, bool *integer)
+{
+    const exr_attr_chlist_t *list;
+    if (index >= exr_channel_count(file) || exr_get_channels(file->context, PART, &list) != EXR_ERR_SUCCESS)
+        return NULL;
+    *integer = list->entries[index].pixel_type == EXR_PIXEL_UINT;
+    return list->entries[index].name.str;
+}
+
 /* All wanted channels exist, with their type and at full resolution, and the file can hold what it claims. */
 static bool check_channels(struct exr_file *file, const struct exr_channel *channels, size_t count,
                            stokes_error *err)
@@ -375,18 +396,19 @@ static bool check_channels(struct exr_file *file, const struct exr_channel *chan
     const exr_attr_chlist_t *list;
     if (exr_get_channels(file->context, PART, &list) != EXR_ERR_SUCCESS)
         return fail_file(file, "channels", err);
+    int found = -1;
     for (size_t i = 0; i < count; i++) {
-        int found = -1;
-        for (int c = 0; c < list->num_channels; c++)
-            if (strcmp(list->entries[c].name.str, channels[i].name) == 0)
-                found = c;
-        if (found < 0)
+        int tried = 0;
+        do
+            found = (found + 1) % (list->num_channels > 0 ? list->num_channels : 1);
+        while (tried++ < list->num_channels && strcmp(list->entries[found].name.str, channels[i].name) != 0);
+        if (tried > list->num_channels)
             return fail(err, file->path, "channels", "%s is missing", channels[i].name);
         const exr_attr_chlist_entry_t *entry = &list->entries[found];
-        if (entry->pixel_type != (channels[i].integer ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT) ||
-            entry->x_sampling != 1 || entry->y_sampling != 1)
+        if ((entry->pixel_type == EXR_PIXEL_UINT) != channels[i].integer || entry->x_sampling != 1 ||
+            entry->y_sampling != 1)
             return fail(err, file->path, "channels", "%s is not made of %s at every pixel", channels[i].name,
-                        channels[i].integer ? "32-bit integers" : "32-bit floats");
+                        channels[i].integer ? "32-bit integers" : "floats");
     }
     struct exr_layout window;
     if (!exr_windows(file, &window, err))
@@ -418,11 +440,12 @@ static bool decode_chunk(struct exr_file *file, struct chunk_reader *r, exr_deco
         (top == 0 ? exr_decoding_initialize(context, PART, info, pipeline)
                   : exr_decoding_update(context, PART, info, pipeline)) != EXR_ERR_SUCCESS)
         return false;
+    size_t last = 0;
     for (int c = 0; c < pipeline->channel_count; c++) {
         exr_coding_channel_info_t *channel = &pipeline->channels[c];
-        size_t index = channel_index(r->channels, r->count, channel->channel_name);
+        size_t index = channel_index(r->channels, r->count, channel->channel_name, &last);
         channel->user_bytes_per_element = 4;
-        channel->user_data_type = channel->data_type;
+        channel->user_data_type = channel->data_type == EXR_PIXEL_HALF ? EXR_PIXEL_FLOAT : channel->data_type;
         channel->user_pixel_stride = 4;
         channel->user_line_stride = (int32_t)row_bytes;
         channel->decode_to_ptr =

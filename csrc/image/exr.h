@@ -1,5 +1,5 @@
-/* Scanline OpenEXR files of 32-bit channels (ZIP), through OpenEXRCore: named channels in, named channels
-   out, and text attributes. A file appears under its name only when it is whole; what is read is trusted in
+/* Scanline OpenEXR files of 32-bit channels (ZIP), through OpenEXRCore: named channels in (halves are made
+   floats), named channels out, and text attributes. A file appears under its name only when it is whole; what is read is trusted in
    nothing. */
 #ifndef IMAGE_EXR_H
 #define IMAGE_EXR_H
@@ -45,6 +45,10 @@ size_t exr_text_count(struct exr_file *);
 /* A text attribute by index (NULL where that attribute is no text) and by name (NULL if missing). Borrowed. */
 const char *exr_text_at(struct exr_file *, size_t index, const char **name);
 const char *exr_text_named(struct exr_file *, const char *name);
+
+size_t exr_channel_count(struct exr_file *);
+/* The name of a channel by index, in the file's order, and whether it is made of integers; NULL past the end. Borrowed. */
+const char *exr_channel_at(struct exr_file *, size_t index, bool *integer);
 
 /* Hands out the rows of those channels, which must all exist with that type; channels in between are
    skipped. False from the sink stops; it has then filled *err. */

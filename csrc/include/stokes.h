@@ -98,6 +98,29 @@ STOKES_API bool stokes_info(const char *path, stokes_error *err);
    `film_fd` are shared memories or −1. Returns the process' exit status. */
 STOKES_API int stokes_serve(int in_fd, int out_fd, int memory_fd, int film_fd);
 
+/* A reradiation matrix: of the energy that arrives in each band, the share that leaves in each. Bands are `step_nm` wide about
+   their centres; share[out * count_in + in]. */
+typedef struct stokes_matrix {
+    double step_nm, first_in_nm, first_out_nm;
+    int count_in, count_out;
+    float *share;
+} stokes_matrix;
+
+/* Reads CSV, the BFC-450 matrix text, a bispectral OpenEXR, or an entry of the library ("matrix/yellow_note"); yours
+   (stokes_matrix_destroy). `pixel` picks one (x, y from the top left) of a picture, NULL their mean. What was done about noise and
+   missing bands is told to `note` (may be NULL), a line each. NULL with *err. */
+STOKES_API stokes_matrix *stokes_matrix_read(const char *path, const int *pixel,
+                                             void (*note)(void *user, const stokes_error *what), void *user,
+                                             stokes_error *err);
+/* The matrix of a loaded scene's material, lit at 45° and seen at 0° as by a bispectral photometer: `count` bands on both sides. */
+STOKES_API stokes_matrix *stokes_session_matrix(stokes_session *, const char *material, double first_nm,
+                                                int count, double step_nm, stokes_error *err);
+/* As CSV or, by its ending .exr, as bispectral OpenEXR. Written under a temporary name and renamed. */
+STOKES_API bool stokes_matrix_write(const stokes_matrix *, const char *path, stokes_error *err);
+STOKES_API void stokes_matrix_destroy(stokes_matrix *);
+/* The library's matrices: the name at `index`, or NULL past the end. */
+STOKES_API const char *stokes_matrix_name(size_t index);
+
 /* The spectrum library: the name at `index`, or NULL past the end; its value at a wavelength (nm). */
 STOKES_API const char *stokes_library_name(size_t index);
 STOKES_API bool stokes_library_value(const char *name, double lambda_nm, double *value);

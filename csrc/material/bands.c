@@ -52,17 +52,17 @@ static bool make_cdf(struct band_table *t, enum side side)
     return true;
 }
 
-struct band_table *band_table_create(const struct reradiation *m, struct range range)
+struct band_table *band_table_create(const stokes_matrix *m, struct range range)
 {
     int first_in, first_out;
     struct band_table *t = calloc(1, sizeof *t);
     if (!t)
         return NULL;
-    t->count_in = bands_within(range, m->first_in, m->step, m->count_in, &first_in);
-    t->count_out = bands_within(range, m->first_out, m->step, m->count_out, &first_out);
-    t->bands_per_nm = (float)(1 / m->step);
-    t->edge_in = edges_of(range, m->first_in, m->step, first_in, t->count_in);
-    t->edge_out = edges_of(range, m->first_out, m->step, first_out, t->count_out);
+    t->count_in = bands_within(range, m->first_in_nm, m->step_nm, m->count_in, &first_in);
+    t->count_out = bands_within(range, m->first_out_nm, m->step_nm, m->count_out, &first_out);
+    t->bands_per_nm = (float)(1 / m->step_nm);
+    t->edge_in = edges_of(range, m->first_in_nm, m->step_nm, first_in, t->count_in);
+    t->edge_out = edges_of(range, m->first_out_nm, m->step_nm, first_out, t->count_out);
     t->value = calloc((size_t)t->count_in * (size_t)t->count_out + 1, sizeof *t->value);
     if (!t->edge_in || !t->edge_out || !t->value) {
         band_table_destroy(t);
@@ -71,7 +71,7 @@ struct band_table *band_table_create(const struct reradiation *m, struct range r
     for (int out = 0; out < t->count_out; out++)
         for (int in = 0; in < t->count_in; in++)
             t->value[out * t->count_in + in] =
-                (float)(m->share[(first_out + out) * m->count_in + first_in + in] / m->step);
+                (float)(m->share[(first_out + out) * m->count_in + first_in + in] / m->step_nm);
     if (!make_cdf(t, SIDE_LIGHT) || !make_cdf(t, SIDE_CAMERA)) {
         band_table_destroy(t);
         return NULL;

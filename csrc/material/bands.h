@@ -20,7 +20,7 @@ struct band_table {
 };
 
 /* Shares of a matrix (on its diagonal: what is re-emitted into its own band) over the part of it that lies in Λ. NULL without memory. */
-struct band_table *band_table_create(const struct reradiation *, struct range);
+struct band_table *band_table_create(const stokes_matrix *, struct range);
 void band_table_destroy(struct band_table *);
 
 float band_table_value(const struct band_table *, float lambda_in, float lambda_out);

@@ -77,7 +77,7 @@ struct closure {
     int option[4];                            /* in the order of the kind's option_names */
     double number[4];                         /* in the order of the kind's number_names */
     struct ior ior;
-    struct reradiation *matrix; /* owned */
+    stokes_matrix *matrix; /* owned */
     struct texture *normal_map;
     float normal_strength;
 };

@@ -13,13 +13,13 @@ enum { DIAGONAL_BOTH, DIAGONAL_ELASTIC };
 /* The matrix while it is taken apart. Incident band `in` shows itself in outgoing band in + shift. */
 struct parts {
     struct compiler *compiler;
-    struct reradiation *fluorescent; /* its diagonal: re-emitted */
-    float *reflected;                /* by incident band */
-    int first, end;                  /* incident bands whose reflection is known */
+    stokes_matrix *fluorescent; /* its diagonal: re-emitted */
+    float *reflected;           /* by incident band */
+    int first, end;             /* incident bands whose reflection is known */
     int shift;
 };
 
-static float share_at(const struct reradiation *m, int out, int in)
+static float share_at(const stokes_matrix *m, int out, int in)
 {
     return out >= 0 && out < m->count_out && in >= 0 && in < m->count_in ? m->share[out * m->count_in + in]
                                                                          : -1;
@@ -27,7 +27,7 @@ static float share_at(const struct reradiation *m, int out, int in)
 
 /* What incident band `in` re-emits into its own: the mean of the neighbours off the diagonal. For a smooth ã(λi) e(λo) that is right to
    second order in the bands' width. */
-static float own_light(const struct reradiation *m, int out, int in)
+static float own_light(const stokes_matrix *m, int out, int in)
 {
     const float beside[4] = {share_at(m, out - 1, in), share_at(m, out + 1, in), share_at(m, out, in - 1),
                              share_at(m, out, in + 1)};
@@ -41,7 +41,7 @@ static float own_light(const struct reradiation *m, int out, int in)
     return count > 0 ? sum / (float)count : 0;
 }
 
-static void split_diagonal(struct parts *p, const struct reradiation *whole, bool elastic)
+static void split_diagonal(struct parts *p, const stokes_matrix *whole, bool elastic)
 {
     double most = 0;
     for (int in = p->first; in < p->end; in++) {
@@ -61,14 +61,14 @@ static void split_diagonal(struct parts *p, const struct reradiation *whole, boo
 /* The factor on what band `in` re-emits that keeps energy, r + ΣM ≤ 1, and photons, r + ΣM λo/λi ≤ 1 for the band's shortest λi. */
 static float conserving(const struct parts *p, int in, double *energy)
 {
-    const struct reradiation *m = p->fluorescent;
+    const stokes_matrix *m = p->fluorescent;
     double photons = 0, room = 1 - p->reflected[in];
-    double shortest = m->first_in + (in - 0.5) * m->step;
+    double shortest = m->first_in_nm + (in - 0.5) * m->step_nm;
     *energy = 0;
     for (int out = 0; out < m->count_out; out++) {
         double share = m->share[out * m->count_in + in];
         *energy += share;
-        photons += share * (m->first_out + out * m->step) / shortest;
+        photons += share * (m->first_out_nm + out * m->step_nm) / shortest;
     }
     double most = fmax(*energy, photons);
     return most > room ? (float)(room / most) : 1;
@@ -76,7 +76,7 @@ static float conserving(const struct parts *p, int in, double *energy)
 
 static void conserve(struct parts *p)
 {
-    struct reradiation *m = p->fluorescent;
+    stokes_matrix *m = p->fluorescent;
     double all = 0, kept = 0, energy;
     int cut = 0;
     for (int in = 0; in < m->count_in; in++) {
@@ -116,12 +116,12 @@ static struct spectrum *banded(struct range range, const float *edge, const floa
 
 static struct spectrum *reflectance_of(const struct parts *p, struct range range)
 {
-    const struct reradiation *m = p->fluorescent;
+    const stokes_matrix *m = p->fluorescent;
     int count = p->end - p->first;
     float *edge = malloc(((size_t)count + 1) * sizeof *edge);
     struct spectrum *s = NULL;
     for (int i = 0; edge && i <= count; i++)
-        edge[i] = (float)(m->first_in + (p->first + i - 0.5) * m->step);
+        edge[i] = (float)(m->first_in_nm + (p->first + i - 0.5) * m->step_nm);
     if (edge)
         s = count ? banded(range, edge, p->reflected + p->first, count, 1, BEYOND_HOLD)
                   : spectrum_constant(range, 0);
@@ -197,7 +197,7 @@ static bool add_reradiated(struct compiler *compiler, const struct closure *clos
 
 static bool compile(struct compiler *compiler, const struct closure *closure)
 {
-    const struct reradiation *whole = closure->matrix;
+    const stokes_matrix *whole = closure->matrix;
     struct parts p = {.compiler = compiler, .shift = reradiation_shift(whole)};
     p.first = p.shift < 0 ? -p.shift : 0;
     p.end = whole->count_out - p.shift < whole->count_in ? whole->count_out - p.shift : whole->count_in;

@@ -31,6 +31,8 @@ bool scene_add_mesh(struct scene *, const struct mesh_input *, stokes_error *err
 
 /* Takes the closure; it is compiled at scene_commit, when working space and Λ are known. */
 bool scene_add_material(struct scene *, const char *name, struct closure *, stokes_error *err);
+/* As compiled by scene_commit; NULL if there is none of that name. */
+const struct material *scene_find_material(const struct scene *, const char *name);
 /* Takes the image. */
 bool scene_add_image(struct scene *, struct image *, stokes_error *err);
 const struct image *scene_find_image(const struct scene *, const char *name);

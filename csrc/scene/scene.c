@@ -165,6 +165,12 @@ bool scene_add_image(struct scene *scene, struct image *image, stokes_error *err
     return true;
 }
 
+const struct material *scene_find_material(const struct scene *scene, const char *name)
+{
+    const struct material_slot *slot = registry_find(&scene->materials, name);
+    return slot ? slot->compiled : NULL;
+}
+
 const struct image *scene_find_image(const struct scene *scene, const char *name)
 {
     return registry_find(&scene->images, name);

@@ -296,10 +296,8 @@ static bool commit_is_cancelled(void *user)
     return listener->cancelled && listener->cancelled(listener->user);
 }
 
-static bool commit_scene(stokes_session *session, const struct session_settings *settings, stokes_error *err)
+bool session_commit(stokes_session *session, const struct session_settings *settings, stokes_error *err)
 {
-    if (!session->has_camera)
-        return fail(err, "scene", "camera", "the scene has no camera");
     const struct scene_setup setup = {
         .range = {settings->integrator.lambda_min, settings->integrator.lambda_max},
         .uv_rule = settings->uv_rule,
@@ -396,7 +394,8 @@ bool stokes_session_render(stokes_session *session, const stokes_overrides *over
         !pick_samples(&render, overrides, err))
         return false;
     render.threads = session_threads(&render.settings);
-    bool committed = commit_scene(session, &render.settings, err);
+    bool committed = session->has_camera ? session_commit(session, &render.settings, err)
+                                         : fail(err, "scene", "camera", "the scene has no camera");
     if (!committed && !should_stop(&render))
         return false;
     /* The last picture goes first: with spectral bins a film is large. */

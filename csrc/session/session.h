@@ -65,6 +65,9 @@ bool session_settings_check(const struct session_settings *, stokes_error *err);
 bool session_settings_override(struct session_settings *, const stokes_overrides *, stokes_error *err);
 int session_threads(const struct session_settings *);
 
+/* Compiles and builds what the messages brought. */
+bool session_commit(stokes_session *, const struct session_settings *, stokes_error *err);
+
 void session_warn(void *session, const stokes_error *what);
 void session_color_clear(struct session_color *);
 

@@ -322,10 +322,10 @@ static bool is_even(const double *center, int count, double first, double step)
 }
 
 /* Energy is kept: an outgoing band hands on shares by overlap, an incident one is a mean of those that it covers. */
-static void put_on_grid(const struct measured *m, struct reradiation *grid)
+static void put_on_grid(const struct measured *m, stokes_matrix *grid)
 {
     for (int i = 0; i < grid->count_in; i++) {
-        double low = grid->first_in + (i - 0.5) * grid->step, high = low + grid->step, covered = 0;
+        double low = grid->first_in_nm + (i - 0.5) * grid->step_nm, high = low + grid->step_nm, covered = 0;
         for (int in = 0; in < m->count_in; in++)
             covered += overlap(low, high, band_low(m->in, in), band_high(m->in, m->count_in, in));
         for (int in = 0; in < m->count_in; in++) {
@@ -333,21 +333,21 @@ static void put_on_grid(const struct measured *m, struct reradiation *grid)
             for (int out = 0; part > 0 && out < m->count_out; out++) {
                 double from = band_low(m->out, out), to = band_high(m->out, m->count_out, out);
                 double share = *at(m, out, in) * part / covered / (to - from);
-                int first = (int)floor((from - grid->first_out) / grid->step + 0.5);
+                int first = (int)floor((from - grid->first_out_nm) / grid->step_nm + 0.5);
                 for (int o = first > 0 ? first : 0; o < grid->count_out; o++) {
-                    double edge = grid->first_out + (o - 0.5) * grid->step;
+                    double edge = grid->first_out_nm + (o - 0.5) * grid->step_nm;
                     if (edge >= to)
                         break;
                     grid->share[o * grid->count_in + i] +=
-                        (float)(share * overlap(from, to, edge, edge + grid->step));
+                        (float)(share * overlap(from, to, edge, edge + grid->step_nm));
                 }
             }
         }
     }
 }
 
-static struct reradiation *regrid(const struct measured *m, const char *name, reradiation_note note,
-                                  void *user, stokes_error *err)
+static stokes_matrix *regrid(const struct measured *m, const char *name, reradiation_note note, void *user,
+                             stokes_error *err)
 {
     double step = fmax(widest_step(m->in, m->count_in), widest_step(m->out, m->count_out));
     double first_in = m->in[0], last_in = m->in[m->count_in - 1], last_out = m->out[m->count_out - 1];
@@ -356,7 +356,7 @@ static struct reradiation *regrid(const struct measured *m, const char *name, re
                                                : floor((m->out[0] - first_in) / step + EVEN));
     int count_in = (int)ceil((last_in - first_in) / step - EVEN) + 1,
         count_out = (int)ceil((last_out - first_out) / step - EVEN) + 1;
-    struct reradiation *grid = reradiation_create(first_in, count_in, first_out, count_out, step, name, err);
+    stokes_matrix *grid = reradiation_create(first_in, count_in, first_out, count_out, step, name, err);
     if (!grid)
         return NULL;
     put_on_grid(m, grid);
@@ -366,10 +366,10 @@ static struct reradiation *regrid(const struct measured *m, const char *name, re
     return grid;
 }
 
-struct reradiation *measured_finish(struct measured *m, const char *name, reradiation_note note, void *user,
-                                    stokes_error *err)
+stokes_matrix *measured_finish(struct measured *m, const char *name, reradiation_note note, void *user,
+                               stokes_error *err)
 {
-    struct reradiation *matrix = NULL;
+    stokes_matrix *matrix = NULL;
     if (check_wavelengths(m->in, m->count_in, "incident", name, err) &&
         check_wavelengths(m->out, m->count_out, "outgoing", name, err)) {
         unmeasured_zeros(m);

@@ -15,7 +15,7 @@ void measured_destroy(struct measured *);
 
 /* Takes the measurement. Fills what is missing from its neighbours, takes the noise out, puts both sides on one grid; says what it did
    by notes. NULL with *err if it cannot be read as a matrix. */
-struct reradiation *measured_finish(struct measured *, const char *name, reradiation_note, void *user,
+stokes_matrix *measured_finish(struct measured *, const char *name, reradiation_note, void *user,
                                     stokes_error *err);
 
 #endif

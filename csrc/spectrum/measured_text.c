@@ -200,8 +200,8 @@ static struct measured *measured_of(const struct table *t, const char *name, sto
     return m;
 }
 
-struct reradiation *reradiation_from_text(char *text, const char *name, reradiation_note note, void *user,
-                                          stokes_error *err)
+stokes_matrix *reradiation_from_text(char *text, const char *name, reradiation_note note, void *user,
+                                     stokes_error *err)
 {
     struct lines lines = {.next = strncmp(text, "\xef\xbb\xbf", 3) == 0 ? text + 3 : text};
     struct table *t = calloc(1, sizeof *t);
@@ -220,20 +220,20 @@ struct reradiation *reradiation_from_text(char *text, const char *name, reradiat
 
 /* --- Writing ------------------------------------------------------------------------------------------------ */
 
-static void print_csv(const struct reradiation *m, FILE *file)
+static void print_csv(const stokes_matrix *m, FILE *file)
 {
     fputs("outgoing_nm\\incident_nm", file);
     for (int in = 0; in < m->count_in; in++)
-        fprintf(file, ",%.9g", m->first_in + in * m->step);
+        fprintf(file, ",%.9g", m->first_in_nm + in * m->step_nm);
     for (int out = 0; out < m->count_out; out++) {
-        fprintf(file, "\n%.9g", m->first_out + out * m->step);
+        fprintf(file, "\n%.9g", m->first_out_nm + out * m->step_nm);
         for (int in = 0; in < m->count_in; in++)
             fprintf(file, ",%.9g", (double)m->share[out * m->count_in + in]);
     }
     fputc('\n', file);
 }
 
-bool reradiation_write_csv(const struct reradiation *m, const char *path, stokes_error *err)
+bool reradiation_write_csv(const stokes_matrix *m, const char *path, stokes_error *err)
 {
     char *text = NULL;
     size_t bytes = 0;

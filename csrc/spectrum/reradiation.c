@@ -30,16 +30,16 @@ static bool check_bands(double first_in, int count_in, double first_out, int cou
                 first_in, first_out);
 }
 
-struct reradiation *reradiation_create(double first_in, int count_in, double first_out, int count_out,
-                                       double step, const char *name, stokes_error *err)
+stokes_matrix *reradiation_create(double first_in, int count_in, double first_out, int count_out, double step,
+                                  const char *name, stokes_error *err)
 {
     if (!check_bands(first_in, count_in, first_out, count_out, step, name, err))
         return NULL;
-    struct reradiation *m = calloc(1, sizeof *m);
+    stokes_matrix *m = calloc(1, sizeof *m);
     if (m)
-        *m = (struct reradiation){step,      first_in,
-                                  first_out, count_in,
-                                  count_out, calloc((size_t)count_in * (size_t)count_out, sizeof *m->share)};
+        *m = (stokes_matrix){step,      first_in,
+                             first_out, count_in,
+                             count_out, calloc((size_t)count_in * (size_t)count_out, sizeof *m->share)};
     if (!m || !m->share) {
         reradiation_destroy(m);
         fail(err, name, "bands", "out of memory");
@@ -48,7 +48,7 @@ struct reradiation *reradiation_create(double first_in, int count_in, double fir
     return m;
 }
 
-void reradiation_destroy(struct reradiation *m)
+void reradiation_destroy(stokes_matrix *m)
 {
     if (!m)
         return;
@@ -56,29 +56,30 @@ void reradiation_destroy(struct reradiation *m)
     free(m);
 }
 
-struct reradiation *reradiation_copy(const struct reradiation *m)
+stokes_matrix *reradiation_copy(const stokes_matrix *m)
 {
-    struct reradiation *copy =
-        reradiation_create(m->first_in, m->count_in, m->first_out, m->count_out, m->step, "copy", NULL);
+    stokes_matrix *copy = reradiation_create(m->first_in_nm, m->count_in, m->first_out_nm, m->count_out,
+                                             m->step_nm, "copy", NULL);
     if (copy)
         memcpy(copy->share, m->share, (size_t)m->count_in * (size_t)m->count_out * sizeof *m->share);
     return copy;
 }
 
-bool reradiation_check(const struct reradiation *m, const char *name, stokes_error *err)
+bool reradiation_check(const stokes_matrix *m, const char *name, stokes_error *err)
 {
     for (int out = 0; out < m->count_out; out++)
         for (int in = 0; in < m->count_in; in++) {
             float share = m->share[out * m->count_in + in];
             if (!(share >= 0 && isfinite(share)))
                 return fail(err, name, "share", "is %g from %g to %g nm; it must not be negative",
-                            (double)share, m->first_in + in * m->step, m->first_out + out * m->step);
+                            (double)share, m->first_in_nm + in * m->step_nm,
+                            m->first_out_nm + out * m->step_nm);
         }
     return true;
 }
 
-struct reradiation *reradiation_library(const char *entry, const char *name, reradiation_note note,
-                                        void *user, stokes_error *err)
+stokes_matrix *reradiation_library(const char *entry, const char *name, reradiation_note note, void *user,
+                                   stokes_error *err)
 {
     const struct library_matrix *found = library_matrix_find(entry);
     if (!found) {

@@ -20,7 +20,7 @@ struct texture *read_texture(const struct place *);
 /* L. emission_node_destroy. */
 struct emission_node *read_emission(const struct place *);
 /* M. reradiation_destroy. */
-struct reradiation *read_matrix(const struct place *);
+stokes_matrix *read_matrix(const struct place *);
 /* A closure tree. closure_destroy. */
 struct closure *read_closure(const struct place *, int depth);
 

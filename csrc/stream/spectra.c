@@ -262,7 +262,7 @@ struct spectrum *read_spectrum(const struct place *place, enum beyond beyond, in
 
 /* --- M: a reradiation matrix --------------------------------------------------------------------------------- */
 
-static struct reradiation *read_shares(const struct place *place)
+static stokes_matrix *read_shares(const struct place *place)
 {
     static const struct field fields[] = {
         {"incident", FIELD_DOUBLE, true, 0, 2, 0, LAMBDA_MAX_NM},
@@ -275,7 +275,7 @@ static struct reradiation *read_shares(const struct place *place)
     size_t count = 0;
     double bands[5];
     stokes_error why = {0};
-    struct reradiation *m = NULL;
+    stokes_matrix *m = NULL;
     if (!read_fields(place, fields, 3, bands) || !read_numbers(&share, SHARES_MAX, &values, &count, &owned)) {
         free(owned);
         return NULL;
@@ -298,7 +298,7 @@ static struct reradiation *read_shares(const struct place *place)
     return m;
 }
 
-struct reradiation *read_matrix(const struct place *place)
+stokes_matrix *read_matrix(const struct place *place)
 {
     struct place library = place_member(place, "library");
     const char *name;
@@ -309,7 +309,7 @@ struct reradiation *read_matrix(const struct place *place)
         return read_shares(place);
     if (!read_text(&library, &name))
         return NULL;
-    struct reradiation *m = reradiation_library(name, name, NULL, NULL, &why);
+    stokes_matrix *m = reradiation_library(name, name, NULL, NULL, &why);
     if (!m)
         place_fail(&library, "%s", why.text);
     return m;

@@ -146,12 +146,12 @@ static double random_number(struct kit_random *r, const char *name, double ordin
     return ordinary;
 }
 
-struct reradiation *kit_matrix(struct kit_random *r)
+stokes_matrix *kit_matrix(struct kit_random *r)
 {
     float step = kit_between(r, 6, 25), first = kit_between(r, 280, 350);
     int shift = (int)kit_between(r, 0, 5), in = (int)kit_between(r, 10, 18),
         out = (int)kit_between(r, 10, 22);
-    struct reradiation *m =
+    stokes_matrix *m =
         reradiation_create(first, in, first + step * (float)shift, out, step, "test", NULL);
     if (!m)
         abort();

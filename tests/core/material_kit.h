@@ -31,7 +31,7 @@ struct closure *kit_dye(float reflectance, float concentration, double absorbs, 
                         bool energy);
 
 /* A matrix at random; some ask for more energy or photons than there are. */
-struct reradiation *kit_matrix(struct kit_random *);
+stokes_matrix *kit_matrix(struct kit_random *);
 
 /* A closure of this kind with every input at random, by its signature; roughness is at least `roughness`. */
 struct closure *kit_random_bsdf(struct kit_random *, const struct bsdf_kind *, float roughness);

@@ -17,7 +17,7 @@ static struct kit_random seeded(uint32_t seed)
     return (struct kit_random){random_path(seed, 0, 0), 0};
 }
 
-static struct closure *closure_of(struct reradiation *m, bool elastic_diagonal)
+static struct closure *closure_of(stokes_matrix *m, bool elastic_diagonal)
 {
     struct closure *c = kit_bsdf("reradiation_matrix");
     c->matrix = m;
@@ -25,23 +25,23 @@ static struct closure *closure_of(struct reradiation *m, bool elastic_diagonal)
     return c;
 }
 
-static struct reradiation *bands(double first_in, int in, double first_out, int out, double step)
+static stokes_matrix *bands(double first_in, int in, double first_out, int out, double step)
 {
     stokes_error err;
-    struct reradiation *m = reradiation_create(first_in, in, first_out, out, step, "test", &err);
+    stokes_matrix *m = reradiation_create(first_in, in, first_out, out, step, "test", &err);
     assert_non_null(m);
     return m;
 }
 
-static float *share(struct reradiation *m, int out, int in)
+static float *share(stokes_matrix *m, int out, int in)
 {
     return &m->share[out * m->count_in + in];
 }
 
 /* Twenty bands of 20 nm, 390 to 770; each re-emits a tenth into the next three, and reflects a half. */
-static struct reradiation *staircase(void)
+static stokes_matrix *staircase(void)
 {
-    struct reradiation *m = bands(390, 20, 390, 20, 20);
+    stokes_matrix *m = bands(390, 20, 390, 20, 20);
     for (int in = 0; in < 20; in++) {
         *share(m, in, in) = 0.5f;
         for (int out = in + 1; out < in + 4 && out < 20; out++)
@@ -62,7 +62,7 @@ static double reradiated(const struct surface *s, float in, double low, double h
 static void each_share_leaves_in_its_band(void **state)
 {
     (void)state;
-    struct reradiation *m = staircase(), *kept = reradiation_copy(m);
+    stokes_matrix *m = staircase(), *kept = reradiation_copy(m);
     struct material *material = kit_compile(closure_of(m, true));
     struct surface s = kit_surface(material, UP, UP);
     for (int in = 0; in < 20; in++)
@@ -82,9 +82,9 @@ static void each_share_leaves_in_its_band(void **state)
 }
 
 /* Bands of a separable dye with reflectance 0.4: what is measured of it. */
-static struct reradiation *measured_dye(int count, double step, double *own)
+static stokes_matrix *measured_dye(int count, double step, double *own)
 {
-    struct reradiation *m = bands(350, count, 350, count, step);
+    stokes_matrix *m = bands(350, count, 350, count, step);
     for (int in = 0; in < count; in++)
         for (int out = 0; out < count; out++) {
             double a = 350 + in * step, e = 350 + out * step;
@@ -241,7 +241,7 @@ static void neither_energy_nor_photons_are_made(void **state)
 static void what_is_cut_is_said(void **state)
 {
     (void)state;
-    struct reradiation *m = staircase();
+    stokes_matrix *m = staircase();
     int warnings = 0;
     stokes_error err = {0};
     struct material *material = kit_try_compile(closure_of(m, true), &warnings, &err);
@@ -280,7 +280,7 @@ static void bands_may_lie_anywhere(void **state)
     for (size_t i = 0; i < sizeof first / sizeof *first; i++)
         for (int in = 1; in < 5; in++)
             for (int out = 1; out < 5; out++) {
-                struct reradiation *m = bands(first[i], in, first[i] + 10, out, 10);
+                stokes_matrix *m = bands(first[i], in, first[i] + 10, out, 10);
                 for (int k = 0; k < in * out; k++)
                     m->share[k] = 0.1f;
                 struct material *material = kit_compile(closure_of(m, false));

@@ -96,9 +96,70 @@ class Material:
         return matrix
 
 
-def furnace(material, emission):
-    """Radiance inside a closed convex enclosure whose walls all emit `emission`: L = (1 − ρ)⁻¹ E."""
-    return np.linalg.solve(np.eye(len(GRID)) - material.operator(), emission)
+class Matrix:
+    """A diffuse surface by its reradiation matrix: `share[out, in]` of bands of `step` nm about their centres."""
+
+    def __init__(self, incident, outgoing, share):
+        self.incident, self.outgoing = np.asarray(incident, dtype=float), np.asarray(outgoing, dtype=float)
+        self.share = np.asarray(share, dtype=float)
+        self.step = self.incident[1] - self.incident[0]
+
+    @classmethod
+    def read(cls, path):
+        rows = np.genfromtxt(path, delimiter=",", skip_header=1)
+        with open(path, encoding="utf-8") as file:
+            return cls([float(cell) for cell in file.readline().split(",")[1:]], rows[:, 0], rows[:, 1:])
+
+    def message(self):
+        return {
+            "bsdf": "reradiation_matrix",
+            "matrix": {
+                "incident": [self.incident[0], len(self.incident)],
+                "outgoing": [self.outgoing[0], len(self.outgoing)],
+                "step": self.step,
+                "share": self.share.ravel().tolist(),
+            },
+        }
+
+    def parts(self):
+        """Reflectance by incident band (NaN where it was not measured), and the shares that are re-emitted: the diagonal's
+        is the mean of its neighbours."""
+        reflected, emitted = np.full(len(self.incident), np.nan), self.share.copy()
+        padded = np.pad(self.share, 1, constant_values=np.nan)
+        for i, nm in enumerate(self.incident):
+            (found,) = np.nonzero(np.abs(self.outgoing - nm) < 0.01 * self.step)
+            for o in found:
+                beside = [padded[o, i + 1], padded[o + 2, i + 1], padded[o + 1, i], padded[o + 1, i + 2]]
+                emitted[o, i] = min(np.nanmean(beside), self.share[o, i])
+                reflected[i] = self.share[o, i] - emitted[o, i]
+        return reflected, emitted
+
+    def operator(self):
+        """Reradiation on the grid: reflected = operator @ incident. Beyond what was measured reflectance is held."""
+        reflected, emitted = self.parts()
+        known = np.nonzero(~np.isnan(reflected))[0]
+        band_in = np.floor((GRID - self.incident[0]) / self.step + 0.5).astype(int)
+        band_out = np.floor((GRID - self.outgoing[0]) / self.step + 0.5).astype(int)
+        matrix = np.diag(reflected[np.clip(band_in, known[0], known[-1])])
+        inside = np.ix_(
+            (band_out >= 0) & (band_out < len(self.outgoing)), (band_in >= 0) & (band_in < len(self.incident))
+        )
+        matrix[inside] += (
+            emitted[band_out[inside[0][:, 0]][:, None], band_in[inside[1][0]][None, :]] * STEP / self.step
+        )
+        return matrix
+
+
+def furnace(material, emission, edges=None):
+    """Radiance inside a closed convex enclosure whose walls all emit `emission`: L = (1 − ρ)⁻¹ E; or what paths of at most
+    `edges` edges carry of it."""
+    matrix = material.operator()
+    if edges is None:
+        return np.linalg.solve(np.eye(len(GRID)) - matrix, emission)
+    radiance = np.zeros_like(emission)
+    for _ in range(edges):
+        radiance = emission + matrix @ radiance
+    return radiance
 
 
 def wall(material, power, area):
