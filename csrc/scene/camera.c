@@ -107,7 +107,7 @@ static void sample_polygon(int blades, float rotation, const float u[2], float p
 static void sample_lens(const struct camera_input *in, const float u[2], float point[2])
 {
     point[0] = point[1] = 0;
-    if (!(in->lens_radius > 0) || in->orthographic)
+    if (!(in->lens_radius > 0))
         return;
     if (in->blades >= 3) {
         sample_polygon(in->blades, in->blade_rotation, u, point);
@@ -153,6 +153,42 @@ static struct ray perspective_ray(const struct camera *camera, float x, float y,
                         fminf(in->clip[1] * stretch, FLT_MAX), RAY_CAMERA};
 }
 
+/* A point of an orthographic camera's lens looks in one direction, whatever the film point: as in Cycles the ray of a film point
+   starts that far beside it and meets the plane of focus where it would without a lens. So it is another orthographic camera, whose
+   positions lie on the same plane and are that much denser across the direction. */
+struct slant {
+    float lens[2];
+    struct vec3 axis;
+    float cosine, pdf;
+};
+
+static struct slant slant_of(const struct camera *camera, const float u[2])
+{
+    const struct camera_input *in = &camera->input;
+    struct slant s = {.axis = camera->axis, .cosine = 1};
+    sample_lens(in, u, s.lens);
+    if (in->lens_radius > 0) {
+        s.axis = normalize(in_world(camera, -s.lens[0], -s.lens[1], in->focus_distance));
+        s.cosine = dot(s.axis, camera->axis);
+    }
+    s.pdf = 1 / (camera->width * camera->height * s.cosine);
+    return s;
+}
+
+/* How far beside its film point a ray is at a depth, as a multiple of the lens point. */
+static float aside(const struct camera *camera, float depth)
+{
+    return camera->input.lens_radius > 0 ? 1 - depth / camera->input.focus_distance : 0;
+}
+
+/* On the near plane. */
+static struct camera_point slanted_point(const struct camera *camera, const struct slant *s, float x, float y)
+{
+    float near = camera->input.clip[0], k = aside(camera, near);
+    struct vec3 offset = in_world(camera, x + k * s->lens[0], y + k * s->lens[1], near);
+    return (struct camera_point){add(camera->position, offset), s->axis};
+}
+
 struct ray scene_camera_ray(const struct scene *scene, float x, float y, const float u[2],
                             struct camera_point *point, float *pdf)
 {
@@ -163,9 +199,11 @@ struct ray scene_camera_ray(const struct scene *scene, float x, float y, const f
     point->axis = camera->axis;
     if (!in->orthographic)
         return perspective_ray(camera, x, y, u, point, pdf);
-    point->position = add(camera->position, in_world(camera, x, y, in->clip[0]));
-    *pdf = 1 / (camera->width * camera->height);
-    return (struct ray){point->position, camera->axis, 0, in->clip[1] - in->clip[0], RAY_CAMERA};
+    struct slant slant = slant_of(camera, u);
+    *point = slanted_point(camera, &slant, x, y);
+    *pdf = slant.pdf;
+    return (struct ray){point->position, slant.axis, 0,
+                        fminf((in->clip[1] - in->clip[0]) / slant.cosine, FLT_MAX), RAY_CAMERA};
 }
 
 static bool within_frame(const struct camera *camera, float x, float y, float margin, float film[2])
@@ -188,8 +226,11 @@ bool scene_camera_connect(const struct scene *scene, struct vec3 from, float mar
         return false;
     point->axis = camera->axis;
     if (in->orthographic) {
-        point->position = along(from, camera->axis, in->clip[0] - depth);
-        *pdf = 1 / (camera->width * camera->height);
+        struct slant slant = slant_of(camera, u);
+        x -= aside(camera, depth) * slant.lens[0];
+        y -= aside(camera, depth) * slant.lens[1];
+        *point = slanted_point(camera, &slant, x, y);
+        *pdf = slant.pdf;
         return within_frame(camera, x, y, margin, film);
     }
     float lens[2];

@@ -353,9 +353,6 @@ bool scene_commit(struct scene *scene, const struct scene_setup *setup, stokes_e
         return false;
     if ((scene->geometry_dirty || scene->camera_dirty) && !measure(scene, err))
         return false;
-    if (scene->camera_dirty && scene->camera && scene->camera->input.orthographic &&
-        scene->camera->input.lens_radius > 0)
-        warn(setup, "camera", "lens_radius", "an orthographic camera is rendered without depth of field");
     if (rebuild_lights && !(scene_build_lights(scene, err) && accel_build_lamps(scene, err)))
         return false;
     if ((rebuild_lights || scene->camera_dirty) && !scene_weigh_lights(scene, err))

@@ -101,7 +101,7 @@ const struct spectrum *scene_lamp_spectrum(const struct scene *);
 
 struct camera_point {
     struct vec3 position; /* on the lens, or on the near plane of an orthographic camera */
-    struct vec3 axis;     /* viewing direction of the camera */
+    struct vec3 axis;     /* viewing direction of the camera; of an orthographic one, of this point of its lens */
 };
 
 /* A ray through film point (x, y), in pixels of the full frame from its lower left corner; u: on the lens. The density of
@@ -114,7 +114,7 @@ struct ray scene_camera_ray(const struct scene *, float x, float y, const float 
 bool scene_camera_connect(const struct scene *, struct vec3 from, float margin, const float u[2], struct camera_point *,
                           float film[2], float *pdf);
 /* An orthographic camera is the dual of a distant light: its position on the film plane is what the pixel draws, its direction is
-   a δ. `pdf` is then per area perpendicular to the axis. */
+   a δ that the point on the lens decides. `pdf` is then per area perpendicular to the axis. */
 bool scene_camera_is_orthographic(const struct scene *);
 void scene_camera_size(const struct scene *, int full[2], int border[4]);
 

@@ -46,6 +46,13 @@ static struct camera_input orthographic(void)
     return camera;
 }
 
+static struct camera_input orthographic_with_lens(int blades)
+{
+    struct camera_input camera = with_lens(blades);
+    camera.orthographic = true;
+    return camera;
+}
+
 static struct scene *make(struct camera_input camera)
 {
     stokes_error err;
@@ -66,7 +73,8 @@ static const struct transform wide = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
 static void connections_invert_rays(void **state)
 {
     (void)state;
-    struct camera_input cameras[] = {perspective(), with_lens(0), with_lens(3), with_lens(6), orthographic()};
+    struct camera_input cameras[] = {perspective(), with_lens(0),   with_lens(3),
+                                     with_lens(6),  orthographic(), orthographic_with_lens(0)};
     for (size_t k = 0; k < sizeof cameras / sizeof *cameras; k++) {
         struct scene *scene = make(cameras[k]);
         for (uint64_t i = 0; i < 5000; i++) {
@@ -83,6 +91,8 @@ static void connections_invert_rays(void **state)
             assert_float_equal(pdf_back / pdf, 1, 1e-4);
             assert_true(length(sub(back.position, lens.position)) < 1e-4f);
             assert_true(length(sub(back.axis, lens.axis)) == 0);
+            if (cameras[k].orthographic)
+                assert_true(length(sub(ray.direction, lens.axis)) == 0);
         }
         scene_destroy(scene);
     }
@@ -160,6 +170,57 @@ static void lens_rays_meet_in_the_plane_of_focus(void **state)
     }
     scene_destroy(lens);
     scene_destroy(pinhole);
+}
+
+/* The same of an orthographic camera; and each point of its lens sees all film points in one direction. */
+static void orthographic_lens_rays_meet_in_the_plane_of_focus(void **state)
+{
+    (void)state;
+    struct scene *lens = make(orthographic_with_lens(5)), *plain = make(orthographic());
+    float furthest = 0;
+    for (uint64_t i = 0; i < 1000; i++) {
+        float u[4], pdf;
+        struct camera_point on_lens, centre, elsewhere;
+        draw(52, i, u, 4);
+        struct ray a = scene_camera_ray(lens, u[0] * WIDTH, u[1] * HEIGHT, u + 2, &on_lens, &pdf);
+        struct ray b = scene_camera_ray(plain, u[0] * WIDTH, u[1] * HEIGHT, u + 2, &centre, &pdf);
+        struct ray c = scene_camera_ray(lens, u[1] * WIDTH, u[0] * HEIGHT, u + 2, &elsewhere, &pdf);
+        float to_focus = 4 - 0.1f; /* from the near plane */
+        struct vec3 at_a = along(a.origin, a.direction, to_focus / dot(a.direction, b.direction));
+        struct vec3 at_b = along(b.origin, b.direction, to_focus);
+        assert_true(length(sub(at_a, at_b)) < 1e-5f);
+        assert_true(length(sub(a.direction, c.direction)) == 0);
+        furthest = fmaxf(furthest, length(sub(a.origin, b.origin)));
+    }
+    assert_true(furthest > 0.25f && furthest < 0.3f); /* the lens' radius */
+    scene_destroy(lens);
+    scene_destroy(plain);
+}
+
+/* ∫ of the density over a plane across the direction of one lens point is 1. */
+static void orthographic_density_integrates_to_one_across_the_direction(void **state)
+{
+    (void)state;
+    struct scene *scene = make(orthographic_with_lens(0));
+    struct batches found = {0};
+    double exact = 1;
+    for (uint64_t b = 0; b < BATCHES; b++) {
+        double sum = 0;
+        for (uint64_t i = 0; i < DRAWS / 4; i++) {
+            float u[4], film[2], pdf;
+            struct camera_point lens;
+            draw(54, b * DRAWS + i, u, 4);
+            scene_camera_ray(scene, WIDTH / 2, HEIGHT / 2, u + 2, &lens, &pdf);
+            struct frame across = frame_about(lens.axis);
+            struct vec3 centre = along(lens.position, lens.axis, 6);
+            struct vec3 from = along(along(centre, across.s, 2 * u[0] - 1), across.t, 2 * u[1] - 1);
+            if (scene_camera_connect(scene, from, 0, u + 2, &lens, film, &pdf))
+                sum += (double)pdf * 4;
+        }
+        batches_add(&found, sum / (DRAWS / 4));
+    }
+    assert_unbiased(&found, &exact, 1, (struct power){.sees_error = 0.03});
+    scene_destroy(scene);
 }
 
 /* Lens points are uniform over a disk squeezed by the aspect, or over a polygon in it: second moments, and no
@@ -298,6 +359,8 @@ int main(void)
         cmocka_unit_test(density_integrates_to_one_over_the_frame),
         cmocka_unit_test(rays_are_drawn_with_their_density),
         cmocka_unit_test(lens_rays_meet_in_the_plane_of_focus),
+        cmocka_unit_test(orthographic_lens_rays_meet_in_the_plane_of_focus),
+        cmocka_unit_test(orthographic_density_integrates_to_one_across_the_direction),
         cmocka_unit_test(lens_points_fill_their_aperture),
         cmocka_unit_test(window_coordinates_are_the_film_point),
         cmocka_unit_test(scale_of_the_transform_does_not_matter_but_mirroring_does),

@@ -74,6 +74,17 @@ def camera_out_of_focus():
     dof.focus_distance, dof.aperture_fstop = 5.0, 0.15
 
 
+@scene(samples=(128, 384))
+def camera_orthographic_out_of_focus():
+    still_life()
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+    data = bpy.context.scene.camera.data
+    data.type, data.ortho_scale = 'ORTHO', 4.0
+    data.dof.use_dof = True
+    data.dof.focus_distance, data.dof.aperture_fstop = 5.0, 1.0
+
+
 @scene(samples=(128, 1024), size=(80, 80))
 def border():
     """A part of the frame; the rest of the picture stays empty."""
