@@ -308,6 +308,39 @@ static void a_metal_stands_for_eta_and_k(void **state)
     end_reading(&reading);
 }
 
+static void a_matrix_has_bands_on_one_grid_and_a_share_for_each_pair(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *json, *why; /* NULL: good */
+    } cases[] = {
+        {"{\"incident\": [380, 2], \"outgoing\": [400, 1], \"step\": 20, \"share\": [0.1, 0.2]}", NULL},
+        {"{\"library\": \"matrix/yellow_note\"}", NULL},
+        {"{\"library\": \"matrix/none\"}", "no matrix named"},
+        {"{\"incident\": [380, 2], \"outgoing\": [390, 1], \"step\": 20, \"share\": [0.1, 0.2]}",
+         "on one grid"},
+        {"{\"incident\": [380, 2], \"outgoing\": [400, 1], \"step\": 20, \"share\": [0.1]}", "has 1 numbers"},
+        {"{\"incident\": [380, 2], \"outgoing\": [400, 1], \"step\": 20, \"share\": [0.1, -1]}", "negative"},
+        {"{\"incident\": [380, 1e9], \"outgoing\": [400, 1], \"step\": 20, \"share\": []}", "is not within"},
+        {"{\"incident\": [380, 700], \"outgoing\": [400, 1], \"step\": 20, \"share\": []}", "are taken"},
+        {"{\"incident\": [380], \"outgoing\": [400, 1], \"step\": 20, \"share\": []}", "2 are wanted"},
+        {"7", ""},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct reading reading;
+        char json[512];
+        snprintf(json, sizeof json, "{\"bsdf\": \"reradiation_matrix\", \"matrix\": %s}", cases[i].json);
+        struct place place = start_reading(&reading, json);
+        struct closure *closure = read_closure(&place, EXPRESSION_DEPTH);
+        assert_true((closure != NULL) == (cases[i].why == NULL));
+        assert_true(!cases[i].why || strstr(reading.err.text, cases[i].why));
+        if (closure && i == 0)
+            assert_float_equal(closure->matrix->share[1], 0.2, 1e-6);
+        closure_destroy(closure);
+        end_reading(&reading);
+    }
+}
+
 static void a_fault_is_named_by_its_path(void **state)
 {
     (void)state;
@@ -716,6 +749,7 @@ int main(void)
         cmocka_unit_test(emissions_add),
         cmocka_unit_test(every_bsdf_of_the_page_is_read_with_its_defaults),
         cmocka_unit_test(a_metal_stands_for_eta_and_k),
+        cmocka_unit_test(a_matrix_has_bands_on_one_grid_and_a_share_for_each_pair),
         cmocka_unit_test(a_fault_is_named_by_its_path),
         cmocka_unit_test(a_product_of_values_is_a_chain_of_pairs),
         cmocka_unit_test(a_failed_frame_changes_nothing),

@@ -52,6 +52,12 @@ EMISSIONS = {
     "sum": {"sum": [{"rgb": [1, 1, 1]}, {"shape": 1, "scale": 1, "unit": "per_nm"}]},
 }
 CLOSURES = {
+    "matrix": {
+        "bsdf": "reradiation_matrix",
+        "matrix": {"incident": [380, 3], "outgoing": [400, 2], "step": 20, "share": [0.1, 0.5, 0, 0.2, 0.1, 0.4]},
+        "diagonal": "elastic",
+    },
+    "matrix_library": {"bsdf": "reradiation_matrix", "matrix": {"library": "matrix/yellow_note"}},
     "fluorescent": {
         "bsdf": "fluorescent",
         "reflectance": 0.8,
