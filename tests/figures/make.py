@@ -1,0 +1,25 @@
+"""Draws the supplemental's figures into build/figures. QUICK=1 in the environment: fewer samples."""
+
+import argparse
+import importlib
+import time
+
+import kit
+
+FIGURES = {  # module: what it draws
+    "matrices": "figures 1 to 3: reradiation matrices under each kernel",
+    "shown_spectra": "figures 4 to 6: the spectra used",
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", default=list(FIGURES), help="of %s" % ", ".join(FIGURES))
+    begin = time.monotonic()
+    for name in parser.parse_args().names:
+        kit.say("%s (%s)" % (FIGURES[name], name))
+        importlib.import_module(name).draw()
+        kit.say("  %.0f s so far" % (time.monotonic() - begin))
+
+
+main()
