@@ -1,9 +1,7 @@
 """The render engine as Blender sees it. It forwards: `final`, `viewport` and `session` do the
-work."""
+work, and are imported when there is some: half of the time that registering takes would be theirs."""
 
 import bpy
-
-from . import final, viewport
 
 
 class StokesEngine(bpy.types.RenderEngine):
@@ -22,12 +20,18 @@ class StokesEngine(bpy.types.RenderEngine):
         super().__init__(*args, **kwargs)
 
     def render(self, depsgraph):
+        from . import final
+
         final.render(self, depsgraph)
 
     def view_update(self, context, depsgraph):
+        from . import viewport
+
         viewport.update(self, context, depsgraph)
 
     def view_draw(self, context, depsgraph):
+        from . import viewport
+
         viewport.draw(self, context, depsgraph)
 
 

@@ -39,6 +39,13 @@ def _settings_class():
 StokesNodeSettings = None
 
 
+def has_nodes(owner):
+    """From 5.0 on everything has; asking `use_nodes` there warns of its end."""
+    if owner.node_tree is None:
+        return False
+    return bpy.app.version >= (5, 0, 0) or owner.use_nodes
+
+
 def kind_of(node):
     """The NodeKind of a node, or None. A node that was added as a plain group is known by its
     tree."""

@@ -4,7 +4,6 @@ Emission."""
 import bpy
 
 from .. import nodes
-from ..export.nodes.outputs import has_nodes
 
 # (label, tooltip, node kind, settings, values of its sockets)
 SPECTRA = {
@@ -59,7 +58,7 @@ SPECTRA = {
 def set_spectrum(light, name):
     """Gives a lamp one of SPECTRA: its strength and other nodes stay."""
     _label, _tooltip, kind, settings, sockets = SPECTRA[name]
-    if not has_nodes(light):
+    if not nodes.has_nodes(light):
         light.use_nodes = True
     tree = light.node_tree
     emission = _emission_of(tree)

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..export.nodes.outputs import has_nodes
+from ..nodes import has_nodes
 from .base import StokesPanel, column_of, is_ours
 
 

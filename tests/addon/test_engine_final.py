@@ -1,11 +1,12 @@
 """The engine in Blender, with the tests' own core: pictures, failures, cancel, layers, previews."""
 
 import json
+import os
 import subprocess
 
 import pytest
 
-from hosts import ROOT, oldest_and_newest
+from hosts import FAKE_CORE, ROOT, host_named, oldest_and_newest
 
 CORE = ROOT / "build" / "stokes"
 
@@ -185,9 +186,6 @@ except RuntimeError as error:
 
 
 def test_a_batch_render_that_fails_ends_with_status_1_and_no_file(tmp_path):
-    from hosts import FAKE_CORE, ROOT, host_named
-    import os
-
     blender = host_named("3.4")
     told = blender.run(
         """
@@ -258,19 +256,38 @@ camera["resolution"]])
     assert resolution[0] == resolution[1] <= 256
 
 
-def test_registering_takes_no_time_and_starts_nothing(host, tmp_path):
-    told = host.run(
-        """
-import time
-addon.unregister()
-start = time.perf_counter()
+REGISTER = """
+import os, sys, time
+import bpy
+sys.path.insert(0, os.environ["ROOT"])
+start = time.process_time()
+import addon
 addon.register()
-tell([time.perf_counter() - start, os.path.exists(os.path.join(TMP, "log"))])
-""",
-        tmp_path,
-        env={"FAKE_CORE_LOG": str(tmp_path / "log")},
+print("TOLD", time.process_time() - start)
+"""
+
+
+def test_registering_takes_no_time_and_starts_nothing(host, tmp_path):
+    """From the first import on, compiled before as in any Blender but the first; of the processor's time, since others may be
+    at work. The best of a few counts."""
+    script = tmp_path / "register.py"
+    script.write_text(REGISTER)
+    environment = dict(
+        os.environ,
+        ROOT=str(ROOT),
+        STOKES_CORE=str(FAKE_CORE),
+        FAKE_CORE_LOG=str(tmp_path / "log"),
+        PYTHONPYCACHEPREFIX=str(tmp_path / "compiled"),
     )
-    assert told[0] < 0.2 and not told[1]  # 50 ms is the aim; a busy machine may take longer
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    times = []
+    while len(times) < 2 or (len(times) < 6 and min(times) >= 0.05):
+        said = subprocess.run(
+            [*host.command, str(script)], env=environment, timeout=60, capture_output=True, text=True
+        ).stdout
+        times.append(float(next(line.split()[1] for line in said.splitlines() if line.startswith("TOLD"))))
+    assert min(times) < 0.05, times
+    assert not (tmp_path / "log").exists()
 
 
 def test_a_process_with_the_engine_registered_exits_clean(host, tmp_path):

@@ -1,8 +1,7 @@
 """From a material, world or light to what the stream says of it: finds the output node and walks
 back from it."""
 
-import bpy
-
+from ...nodes import has_nodes
 from . import lobes
 from .closures import light_of, plain
 from .graph import Graph, decimal, describe
@@ -11,13 +10,6 @@ from .values import Constant, Environment, as_rgb, scaled
 
 _BLACK = {"rgb": [0.0, 0.0, 0.0], "scale": 1.0}
 _DARK = {"kind": "constant", "emission": _BLACK}
-
-
-def has_nodes(owner):
-    """From 5.0 on everything has; asking `use_nodes` there warns of its end."""
-    if owner.node_tree is None:
-        return False
-    return bpy.app.version >= (5, 0, 0) or owner.use_nodes
 
 
 def surface(material, context):
