@@ -70,7 +70,7 @@ class Client:
                 pass_fds=descriptors,
                 bufsize=0,
                 start_new_session=True,
-                env=_environment(executable),
+                env=environment(executable),
             )
         except OSError as error:
             raise CoreError("The core does not start: %s" % error) from error
@@ -264,7 +264,7 @@ def error_line(members):
     )
 
 
-def _environment(executable):
+def environment(executable):
     """A packed core finds its libraries beside it; None is the environment as it is."""
     libraries = os.path.join(os.path.dirname(os.path.abspath(executable)), "lib")
     if not os.path.isdir(libraries):

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import PointerProperty, StringProperty
 
 from . import base
-from . import conductor, dispersive_glass, fluorescent
+from . import conductor, dispersive_glass, fluorescent, reradiation_matrix
 from . import spectrum_blackbody, spectrum_constant, spectrum_file, spectrum_gaussian
 from . import spectrum_illuminant, spectrum_library, spectrum_line, spectrum_rgb
 
@@ -13,6 +13,7 @@ KINDS = {
     kind.name: kind
     for kind in (
         fluorescent.KIND,
+        reradiation_matrix.KIND,
         dispersive_glass.KIND,
         conductor.KIND,
         spectrum_library.KIND,

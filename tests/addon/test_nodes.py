@@ -56,7 +56,7 @@ for kind in nodes.KINDS.values():
                  nodes.kind_of(made) is kind, bool(made.node_tree.nodes)])
 tell(told)
 """)
-    assert len(found) == 11 and all(entry == ["ShaderNodeGroup", True, True, True, True, True] for entry in found)
+    assert len(found) == 12 and all(entry == ["ShaderNodeGroup", True, True, True, True, True] for entry in found)
 
 
 def test_a_file_looks_right_and_loses_nothing_without_the_addon(host, tmp_path):

@@ -2,7 +2,7 @@
 
 from ... import nodes
 from ...nodes import fluorescent as fluorescent_node
-from ...nodes import library, spectrum_file, spectrum_library
+from ...nodes import library, reradiation_matrix, spectrum_file, spectrum_library
 from .registry import evaluates, translates
 from .textures import normal
 from .values import Spectral
@@ -42,6 +42,21 @@ def fluorescent(node, graph):
             "yield": 0.0 if emission is None else graph.number(node, "Yield", low=0.0),
             "yield_kind": settings.yield_kind,
         },
+    )
+
+
+@translates("stokes.reradiation_matrix")
+def measured(node, graph):
+    settings = nodes.settings_of(node)
+    matrix = reradiation_matrix.matrix_of(settings)
+    if matrix is None:
+        graph.warn(node, "%s; a grey surface is used" % (settings.problem or "has no file"))
+        return graph.bsdf("diffuse", reflectance=0.5, normal=normal(node, graph))
+    return graph.bsdf(
+        "reradiation_matrix",
+        matrix=matrix,
+        diagonal=settings.diagonal,
+        normal=normal(node, graph),
     )
 
 
