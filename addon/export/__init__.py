@@ -31,8 +31,26 @@ def send_scene(context, shown_camera, size, rectangle, threads=None):
     camera.send_camera(shown_camera, size, rectangle, context)
 
 
+# On in every new view layer, and of no use without others.
+_PASSES_OF_NO_USE = {"use_pass_combined", "use_pass_cryptomatte_accurate"}
+
+
+def _warn_of_passes(context):
+    layer = context.view_layer
+    wanted = [
+        prop.name
+        for prop in layer.bl_rna.properties
+        if prop.identifier.startswith("use_pass_")
+        and prop.identifier not in _PASSES_OF_NO_USE
+        and getattr(layer, prop.identifier)
+    ]
+    if wanted:
+        context.warn(layer, "passes", "not rendered: %s; only Combined is" % ", ".join(wanted))
+
+
 def _warn_of_scene(context):
     scene = context.scene
+    _warn_of_passes(context)
     if scene.render.use_motion_blur:
         context.warn(scene, "use_motion_blur", "is not rendered: everything stands still")
     if scene.render.use_multiview:
@@ -44,7 +62,7 @@ def _warn_of_scene(context):
 
 
 def send_world(context):
-    world = context.scene.world
+    world = context.scene.world if context.view_layer.use_sky else None
     members = nodes.world(world, context)
     visibility = getattr(world, "cycles_visibility", None)
     if visibility:

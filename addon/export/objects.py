@@ -59,6 +59,7 @@ class Groups:
         data = shown.data
         if isinstance(data, bpy.types.Light):
             name = self._unique("light", shown.name_full)
+            _warn_of_linking(shown, self.context)
             lights.send_light(
                 shown,
                 instance.matrix_world,
@@ -67,6 +68,8 @@ class Groups:
                 self.context,
             )
         elif isinstance(data, bpy.types.Mesh):
+            if not self.context.view_layer.use_solid:
+                return
             transforms = self._transforms(instance, shown, data)
             if transforms is not None:
                 matrix = instance.matrix_world
@@ -104,6 +107,7 @@ class Groups:
             self.groups[key] = (self._unique("instances", shown.name_full), array("f"))
         if getattr(shown, "is_shadow_catcher", False):
             self.context.warn(shown, "is_shadow_catcher", "is rendered as a plain object")
+        _warn_of_linking(shown, self.context)
         return self.groups[key][1]
 
     def _mesh(self, shown, data):
@@ -167,6 +171,12 @@ def visibility(shown, parent, context):
 
 def _is_holdout(owner, context):
     return owner.is_holdout or owner.holdout_get(view_layer=context.depsgraph.view_layer_eval)
+
+
+def _warn_of_linking(shown, context):
+    linking = getattr(shown, "light_linking", None)  # since 4.0
+    if linking and (linking.receiver_collection or linking.blocker_collection):
+        context.warn(shown, "light_linking", "is not rendered: its light reaches everything")
 
 
 def _warn_of_hair(shown, context):

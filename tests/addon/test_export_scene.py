@@ -294,3 +294,33 @@ tell([name, context.warnings, out.frames])
     )
     assert told[0] is None and told[2] == []
     assert told[1] == [["lost", "filepath", "has no pixels: //nowhere.png"]]
+
+
+def test_filters_of_the_view_layer_apply_and_passes_that_are_missing_are_named(host, tmp_path):
+    done = host.start(
+        """
+scene = empty_scene()
+add_mesh()
+light = bpy.data.lights.new("Lamp", 'POINT')
+shown = add("Lamp", light)
+if hasattr(shown, "light_linking"):
+    shown.light_linking.receiver_collection = bpy.data.collections.new("Few")
+scene.world = bpy.data.worlds.new("World")
+scene.world.color = (0.5, 0.5, 0.5)
+layer = scene.view_layers[0]
+told = []
+for solid, sky in ((True, True), (False, True), (True, False)):
+    layer.use_solid, layer.use_sky = solid, sky
+    layer.use_pass_z = layer.use_pass_normal = not sky
+    frames = render_frames()
+    world = messages(frames, "world")[0]
+    told.append([len(messages(frames, "mesh")), max(world["emission"]["rgb"]) > 0, len(messages(frames, "light"))])
+tell(told)
+""",
+        tmp_path,
+    )
+    assert "TOLD [[1, true, 1], [0, true, 1], [1, false, 1]]" in done.stdout, done.stdout
+    named = [line for line in done.stdout.splitlines() if "passes: not rendered" in line]
+    depth = "Depth" if host.version >= (5, 0) else "Z"
+    assert set(named) == {"ViewLayer: passes: not rendered: %s, Normal; only Combined is" % depth}, done.stdout
+    assert ("Lamp: light_linking: is not rendered" in done.stdout) == (host.version >= (4, 0))

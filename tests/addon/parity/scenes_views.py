@@ -107,6 +107,14 @@ def film_transparent():
 
 
 @scene(run="long")
+def layer_without_sky():
+    still_life()
+    world(0.8)
+    light('AREA', 120, (2.0, -2.0, 3.5), shape='SQUARE', size=2.5)
+    bpy.context.view_layer.use_sky = False
+
+
+@scene(run="long")
 def instances():
     """One mesh in many places, scaled and mirrored, and an empty that hands on its transform."""
     world(0.4)
