@@ -1,5 +1,5 @@
 /* Bundles of wavelengths: arrays of LANES_MAX numbers, of which the first n are in use. Loops over lanes hold no branch, so that compilers
-   make vector code of them; n is 1, 4 or 8, chosen when the integrator is made. Lane 0 leads. */
+   make vector code of them; n is 1, 4 or 8, chosen when the integrator is made. */
 #ifndef BASE_LANES_H
 #define BASE_LANES_H
 
@@ -18,8 +18,8 @@ static inline void lanes_stratify(float u, int n, float out[LANES_MAX])
 
 static inline double lanes_sum(const double x[LANES_MAX], int n)
 {
-    double sum = x[0];
-    for (int i = 1; i < n; i++)
+    double sum = 0;
+    for (int i = 0; i < n; i++)
         sum += x[i];
     return sum;
 }

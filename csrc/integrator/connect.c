@@ -1,113 +1,154 @@
 /* Connections of the mollified method: each pair of labels is one labelled path with its own wavelength on the edge, its own value
-   and its own weight; they share geometry and shadow ray. */
+   and its own weight; they share geometry and shadow ray. Lanes pair up by number; where both ends are elastic, each with each. */
 #include "integrator/connect.h"
 
+#include <string.h>
+
 #include "integrator/joint.h"
+#include "integrator/tally.h"
+
+/* Two sub-paths to be joined, and where a contribution goes. */
+struct meeting {
+    struct joint joint;
+    const int *splat; /* NULL: the camera's pixel */
+};
+
+static void contribute(const struct integrator *it, struct worker *w, struct meeting *m,
+                       const double density[LANES_MAX])
+{
+    struct joint *joint = &m->joint;
+    const float *film = joint->t == 1 ? joint->lambda : joint->end[SIDE_CAMERA].vertex->lambda_film;
+    joint_contribute(it, w, joint, density, film, m->splat);
+}
+
+/* --- Both ends elastic ----------------------------------------------------------------------------------------- */
 
 /* The end of an E–E connection that takes the kernel: evaluated at the incident wavelength (f_mo, eq. 16), with the densities of
    eqs. 25–26 in labelled space (algorithm.md §6). The kernel itself multiplies elsewhere. */
-static struct end mollified_end(const struct vertex *v, enum side own, struct vec3 to_other,
-                                float lambda_edge, float half_width_nm)
+static void mollified_end(struct joint *joint, enum side side, float half_width_nm)
 {
-    enum side other = own == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
-    struct vec3 to_light = own == SIDE_LIGHT ? v->to_prev : to_other;
-    struct vec3 to_camera = own == SIDE_LIGHT ? to_other : v->to_prev;
-    float lambda_in = own == SIDE_LIGHT ? v->lambda_in : lambda_edge;
-    struct end end = {.value = surface_elastic(&v->surface, to_light, to_camera, lambda_in), .dye = -1};
-    if (!(end.value > 0))
-        return end;
-    double pdf_own = surface_pdf_mollified(&v->surface, own, v->to_prev, to_other, v->lambda_in, lambda_edge,
-                                           half_width_nm);
-    double pdf_other = surface_pdf_mollified(&v->surface, other, to_other, v->to_prev, lambda_edge,
-                                             v->lambda_in, half_width_nm);
-    end.fwd = own == SIDE_LIGHT ? pdf_own : pdf_other;
-    end.rev = own == SIDE_LIGHT ? pdf_other : pdf_own;
-    return end;
-}
-
-static double pair_value(const struct integrator *it, struct joint *joint, struct choice as_y,
-                         struct choice as_x, float lambda_edge)
-{
-    struct end y = joint_end(it, joint, SIDE_LIGHT, as_y, lambda_edge);
-    if (!(y.value > 0))
-        return 0;
-    struct end x = joint_end(it, joint, SIDE_CAMERA, as_x, lambda_edge);
-    return joint_value(it, joint, &y, as_y, &x, as_x, lambda_edge);
-}
-
-/* Both ends elastic: accepted through the kernel k(λc|λl) = 1/(2d) at one of them (algorithm.md §5). */
-static double mollified_value(const struct integrator *it, struct joint *joint, struct choice elastic,
-                              float *lambda_edge)
-{
-    float lambda_light = joint->y->lambda_in, lambda_camera = joint->x->lambda_in;
-    float d = joint->path.half_width_nm;
-    bool light_side = it->settings.mollify_side == SIDE_LIGHT;
-    if (!(fabsf(lambda_light - lambda_camera) < d))
-        return 0;
-    *lambda_edge = light_side ? lambda_camera : lambda_light;
-    struct end y = light_side ? mollified_end(joint->y, SIDE_LIGHT, joint->y_to_x, *lambda_edge, d)
-                              : joint_end(it, joint, SIDE_LIGHT, elastic, *lambda_edge);
-    if (!(y.value > 0))
-        return 0;
-    struct end x = light_side ? joint_end(it, joint, SIDE_CAMERA, elastic, *lambda_edge)
-                              : mollified_end(joint->x, SIDE_CAMERA, negate(joint->y_to_x), *lambda_edge, d);
-    return joint_value(it, joint, &y, elastic, &x, elastic, *lambda_edge) / (2 * (double)d);
-}
-
-static int source_of(const struct integrator *it, const struct vertex *y, int lobe)
-{
-    return y->kind == VERTEX_LIGHT
-               ? scene_light_shape(it->scene, y->light.light)
-               : wavelengths_source_dye(&it->wavelengths, surface_fluorophore(&y->surface, lobe));
-}
-
-static int sink_of(const struct wavelengths *table, const struct vertex *x, int lobe)
-{
-    return x->kind == VERTEX_CAMERA ? wavelengths_sink_camera(table) : surface_fluorophore(&x->surface, lobe);
-}
-
-/* The table of algorithm.md §5: who says what the connecting edge's wavelength is. */
-static double labelled_value(const struct integrator *it, const struct worker *w, struct joint *joint,
-                             struct choice as_y, struct choice as_x, int pair, float *lambda_edge)
-{
-    bool y_fluorescent = as_y.label == LABEL_FLUORESCENT, x_fluorescent = as_x.label == LABEL_FLUORESCENT;
-    if (!y_fluorescent && !x_fluorescent)
-        return mollified_value(it, joint, as_y, lambda_edge);
-    if (y_fluorescent != x_fluorescent) {
-        *lambda_edge = y_fluorescent ? joint->x->lambda_in : joint->y->lambda_in;
-        return pair_value(it, joint, as_y, as_x, *lambda_edge);
+    enum side other = side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
+    struct joint_end *end = &joint->end[side];
+    const struct vertex *v = end->vertex;
+    struct vec3 to_other = side == SIDE_LIGHT ? joint->y_to_x : negate(joint->y_to_x);
+    struct vec3 to_light = side == SIDE_LIGHT ? v->to_prev : to_other;
+    struct vec3 to_camera = side == SIDE_LIGHT ? to_other : v->to_prev;
+    for (int i = 0; i < joint->lanes; i++) {
+        float own = end->at->lambda[i], edge = joint->lambda[i];
+        end->steps.value[i] =
+            surface_elastic(&v->surface, to_light, to_camera, side == SIDE_LIGHT ? own : edge);
+        end->steps.pdf[i] = surface_pdf_mollified(&v->surface, side, v->to_prev, to_other, own, edge, half_width_nm);
+        end->steps.pdf_other[i] =
+            surface_pdf_mollified(&v->surface, other, to_other, v->to_prev, edge, own, half_width_nm);
+        end->draw[i] = end->at->draw[i];
     }
-    const struct wavelengths *table = &it->wavelengths;
-    const struct spectral_histogram *product =
-        wavelengths_product(table, source_of(it, joint->y, as_y.lobe), sink_of(table, joint->x, as_x.lobe));
-    if (!product)
-        return 0;
-    uint32_t dimension = DIM_CONNECT + (uint32_t)((joint->s * PATH_VERTICES + joint->t) * PAIRS_MAX + pair);
-    float pdf;
-    *lambda_edge = spectral_histogram_sample(product, random_at(w->random, dimension), &pdf);
-    return pdf > 0 ? pair_value(it, joint, as_y, as_x, *lambda_edge) / pdf : 0;
 }
 
-/* All pairs of labels of one connection; what survives weights and shadow ray stays in `out`. */
-static void join(const struct integrator *it, struct worker *w, struct joint *joint,
-                 const struct subpath *light, const struct subpath *camera, struct pendings *out)
+/* What arrives at a vertex, with its lanes turned by `shift`, so that lane i of it meets lane i + shift of the other side. */
+static void turn(const struct arrival *from, int lanes, int shift, struct arrival *to)
+{
+    *to = *from;
+    for (int i = 0; i < lanes; i++) {
+        int k = (i + shift) % lanes;
+        to->lambda[i] = from->lambda[k];
+        to->draw[i] = from->draw[k];
+        to->throughput[i] = from->throughput[k];
+        to->seam[i] = from->seam[k];
+        to->tally.closed[i] = from->tally.closed[k];
+    }
+}
+
+/* Lanes that the kernel k(λc|λl) = 1/(2d) accepts (algorithm.md §5) have density 2d for the two wavelengths' one; the others none. */
+static bool accept(const float light[LANES_MAX], const float camera[LANES_MAX], int lanes, float d,
+                   double density[LANES_MAX], double pairs)
+{
+    bool any = false;
+    for (int i = 0; i < lanes; i++) {
+        bool within = fabsf(light[i] - camera[i]) < d;
+        density[i] = within ? 2 * (double)d * pairs : INFINITY;
+        any |= within;
+    }
+    return any;
+}
+
+/* Each light lane with each camera lane. */
+static void join_elastic(const struct integrator *it, struct worker *w, struct meeting *m)
+{
+    struct joint *joint = &m->joint;
+    struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
+    const struct arrival *traced = y->at;
+    bool light_side = it->settings.mollify_side == SIDE_LIGHT;
+    int shifts = traced->lanes > 1 && x->at->lanes > 1 ? joint->lanes : 1;
+    for (int shift = 0; shift < shifts; shift++) {
+        struct arrival turned;
+        double density[LANES_MAX];
+        if (shift > 0) {
+            turn(traced, joint->lanes, shift, &turned);
+            y->at = &turned;
+        }
+        m->joint.turned = shift;
+        if (!accept(y->at->lambda, x->at->lambda, joint->lanes, w->half_width_nm, density, shifts))
+            continue;
+        memcpy(joint->lambda, light_side ? x->at->lambda : y->at->lambda, sizeof joint->lambda);
+        if (light_side) {
+            mollified_end(joint, SIDE_LIGHT, w->half_width_nm);
+            joint_evaluate_end(it, joint, SIDE_CAMERA);
+        } else {
+            joint_evaluate_end(it, joint, SIDE_LIGHT);
+            mollified_end(joint, SIDE_CAMERA, w->half_width_nm);
+        }
+        contribute(it, w, m, density);
+    }
+    y->at = traced;
+    m->joint.turned = 0;
+}
+
+/* --- The table of algorithm.md §5 ------------------------------------------------------------------------------- */
+
+/* One end at least fluoresces: the other says what the wavelength is, or the product of both does. */
+static void join_fluorescent(const struct integrator *it, struct worker *w, struct meeting *m, int pair)
+{
+    struct joint *joint = &m->joint;
+    const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
+    double product[LANES_MAX], *density = NULL;
+    if (y->as.label == LABEL_ELASTIC) {
+        memcpy(joint->lambda, y->at->lambda, sizeof joint->lambda);
+    } else if (x->as.label == LABEL_ELASTIC) {
+        memcpy(joint->lambda, x->at->lambda, sizeof joint->lambda);
+    } else {
+        uint32_t dimension =
+            DIM_CONNECT + (uint32_t)((joint->s * PATH_VERTICES + joint->t) * PAIRS_MAX + pair);
+        joint_name_run(it, joint);
+        joint->lanes = it->lanes;
+        if (!draw_product(it, w, joint->source, joint->sink, dimension, joint->lanes, joint->lambda, product))
+            return;
+        density = product;
+    }
+    if (joint_evaluate_end(it, joint, SIDE_LIGHT) && joint_evaluate_end(it, joint, SIDE_CAMERA))
+        contribute(it, w, m, density);
+}
+
+/* All pairs of labels of one connection. */
+static void join(const struct integrator *it, struct worker *w, struct meeting *m, const struct subpath *light,
+                 int s, const struct subpath *camera, int t, struct sight *sight)
 {
     struct choice of_y[CHOICES_MAX], of_x[CHOICES_MAX];
-    int y_count = joint_choices(joint->y, of_y), x_count = joint_choices(joint->x, of_x);
-    out->count = 0;
-    if (!joint_open(w, joint, light, camera))
+    const struct vertex *y = &light->vertex[s - 1], *x = &camera->vertex[t - 1];
+    int y_count = joint_choices(y, of_y), x_count = joint_choices(x, of_x);
+    if (!joint_open(&m->joint, y, x, w->stamp, sight))
         return;
     for (int i = 0; i < y_count; i++)
         for (int j = 0; j < x_count; j++) {
-            float lambda_edge = 0;
-            if (!joint_is_allowed(it, joint, of_y[i], of_x[j]))
+            joint_set_end(&m->joint, SIDE_LIGHT, light, s - 1, NULL, of_y[i]);
+            joint_set_end(&m->joint, SIDE_CAMERA, camera, t - 1, NULL, of_x[j]);
+            m->joint.lanes = y->arrival.lanes > x->arrival.lanes ? y->arrival.lanes : x->arrival.lanes;
+            if (!joint_is_allowed(it, &m->joint))
                 continue;
-            double value = labelled_value(it, w, joint, of_y[i], of_x[j], i * CHOICES_MAX + j, &lambda_edge);
-            if (value > 0)
-                pendings_add(it, out, joint, value, lambda_edge,
-                             joint->t == 1 ? lambda_edge : camera->vertex[0].lambda_out);
+            if (of_y[i].label == LABEL_ELASTIC && of_x[j].label == LABEL_ELASTIC)
+                join_elastic(it, w, m);
+            else
+                join_fluorescent(it, w, m, i * CHOICES_MAX + j);
         }
-    pendings_resolve(it, out, joint);
 }
 
 static void draw(const struct worker *w, uint32_t dimension, int count, float u[])
@@ -121,15 +162,12 @@ static void connect_light(const struct integrator *it, struct worker *w, int t)
 {
     struct vertex y;
     struct subpath light = {1, &y};
-    struct joint joint;
-    joint_set(&joint, &y, &w->camera.vertex[t - 1], 1, t);
-    struct pendings pendings;
+    struct sight sight = {.stamp = 0};
+    struct meeting m = {.splat = NULL};
     float u[3];
     draw(w, DIM_NEE + (uint32_t)t * DIMS_PER_NEE, 3, u);
-    if (!joint_light_vertex(it, u, &y))
-        return;
-    join(it, w, &joint, &light, &w->camera, &pendings);
-    pendings_gather(it, w, &pendings);
+    if (path_light_vertex(it, u, &y))
+        join(it, w, &m, &light, 1, &w->camera, t, &sight);
 }
 
 /* t = 1: a lens point drawn anew for each light vertex. */
@@ -137,30 +175,19 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
 {
     struct vertex x;
     struct subpath camera = {1, &x};
-    struct joint joint;
-    joint_set(&joint, &w->light.vertex[s - 1], &x, s, 1);
-    struct pendings pendings;
-    float u[4];
+    struct sight sight = {.stamp = 0};
     int pixel[2];
+    struct meeting m = {.splat = pixel};
+    float u[4];
     draw(w, DIM_SPLAT + (uint32_t)s * DIMS_PER_SPLAT, 4, u);
-    if (!joint_camera_vertex(it, &joint, &x, u, pixel))
-        return;
-    join(it, w, &joint, &w->light, &camera, &pendings);
-    pendings_splat(it, &pendings, pixel);
-}
-
-static void connect_inner(const struct integrator *it, struct worker *w, int s, int t)
-{
-    struct joint joint;
-    joint_set(&joint, &w->light.vertex[s - 1], &w->camera.vertex[t - 1], s, t);
-    struct pendings pendings;
-    join(it, w, &joint, &w->light, &w->camera, &pendings);
-    pendings_gather(it, w, &pendings);
+    if (joint_camera_vertex(it, &w->light.vertex[s - 1], &x, u, pixel, &m.joint.pdf_camera_direction))
+        join(it, w, &m, &w->light, s, &camera, 1, &sight);
 }
 
 void connect_all(const struct integrator *it, struct worker *w)
 {
     const struct integrator_settings *settings = &it->settings;
+    struct meeting m = {.splat = NULL};
     for (int t = 2; t <= w->camera.count; t++) {
         if (!w->camera.vertex[t - 1].surface.connects)
             continue;
@@ -168,7 +195,7 @@ void connect_all(const struct integrator *it, struct worker *w)
             connect_light(it, w, t);
         for (int s = 2; s <= w->light.count; s++)
             if (settings->technique[s][t] && w->light.vertex[s - 1].surface.connects)
-                connect_inner(it, w, s, t);
+                join(it, w, &m, &w->light, s, &w->camera, t, &w->sight[(s - 1) * PATH_VERTICES + t - 1]);
     }
     for (int s = 1; s <= w->light.count; s++)
         if (settings->technique[s][1] && (s == 1 || w->light.vertex[s - 1].surface.connects))

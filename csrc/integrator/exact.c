@@ -1,10 +1,13 @@
-/* Exact connections, run by run: all vertices of one run on either side share one wavelength μ, for which both runs are evaluated again;
-   then every pair of them connects at the price of an ordinary connection. */
+/* Exact connections, run by run: all vertices of one run on either side share one bundle of wavelengths μ, for which both runs are evaluated
+   again; then every pair of them connects at the price of an ordinary connection. */
 #include "integrator/exact.h"
+
+#include <string.h>
 
 #include "integrator/joint.h"
 #include "integrator/link.h"
 #include "integrator/relight.h"
+#include "integrator/tally.h"
 
 /* Ends that share a run: either one vertex as an F end (its run begins there, with nothing in between), or the E ends of a run in the order
    in which they were traced, from `first` on; those from `dispersive` on lie behind a dispersive refraction. */
@@ -15,12 +18,12 @@ struct group {
 };
 enum { GROUPS_MAX = PATH_VERTICES * CHOICES_MAX };
 
-/* Part of a group with what it needs to connect at one wavelength. */
+/* Part of a group with what it needs to connect. */
 struct taps {
     const struct subpath *path;
     const struct group *group;
     int first, end;
-    const struct relit *relit; /* NULL: as traced */
+    const struct strand *strand; /* NULL: as traced */
 };
 
 static struct group elastic_group(const struct subpath *path, int start)
@@ -29,7 +32,7 @@ static struct group elastic_group(const struct subpath *path, int start)
     while (g.end < path->count && (g.end == start + 1 || path->vertex[g.end - 1].label != LABEL_FLUORESCENT))
         g.end++;
     g.dispersive = g.first;
-    while (g.dispersive < g.end && !path->vertex[g.dispersive].run_disperses)
+    while (g.dispersive < g.end && !path->vertex[g.dispersive].arrival.disperses)
         g.dispersive++;
     return g;
 }
@@ -47,21 +50,14 @@ static int list_groups(const struct subpath *path, struct group out[GROUPS_MAX])
     return count;
 }
 
-static int source_of(const struct integrator *it, const struct subpath *light, const struct group *g)
+/* The source or sink of wavelengths.h that a group's run begins at. */
+static int origin_of(const struct integrator *it, enum side side, const struct subpath *path,
+                     const struct group *g)
 {
-    const struct vertex *v = &light->vertex[g->start];
-    int lobe = g->as.label == LABEL_FLUORESCENT ? g->as.lobe : v->lobe;
-    return v->kind == VERTEX_LIGHT
-               ? scene_light_shape(it->scene, v->light.light)
-               : wavelengths_source_dye(&it->wavelengths, surface_fluorophore(&v->surface, lobe));
-}
-
-static int sink_of(const struct integrator *it, const struct subpath *camera, const struct group *g)
-{
-    const struct vertex *v = &camera->vertex[g->start];
-    int lobe = g->as.label == LABEL_FLUORESCENT ? g->as.lobe : v->lobe;
-    return v->kind == VERTEX_CAMERA ? wavelengths_sink_camera(&it->wavelengths)
-                                    : surface_fluorophore(&v->surface, lobe);
+    const struct vertex *v = &path->vertex[g->start];
+    if (g->as.label == LABEL_FLUORESCENT && v->kind == VERTEX_SURFACE)
+        return wavelengths_dye(&it->wavelengths, side, surface_fluorophore(&v->surface, g->as.lobe));
+    return g->as.label == LABEL_FLUORESCENT ? v->arrival.origin : path->vertex[g->first].arrival.origin;
 }
 
 /* --- One connection ------------------------------------------------------------------------------------------ */
@@ -71,71 +67,76 @@ static bool can_end(const struct vertex *v, struct choice as)
     return v->kind != VERTEX_SURFACE || as.label == LABEL_FLUORESCENT || v->surface.has_elastic;
 }
 
-/* Wavelength on the film of a path whose connecting run has wavelength mu. */
-static float film_lambda(const struct taps *camera, float mu)
+/* The bundle of wavelengths of a connecting run. */
+struct bundle {
+    int lanes;
+    float lambda[LANES_MAX];
+    double drawn[LANES_MAX];
+    const double *density; /* drawn, or NULL for what a sub-path's own steps have paid already */
+};
+
+/* Wavelengths on the film of paths whose connecting run has the bundle. */
+static const float *film_lambda(const struct taps *camera, int x, const struct bundle *mu)
 {
-    bool first_run = camera->group->start == 0;
-    return first_run ? mu : camera->path->vertex[0].lambda_out;
+    if (camera->group->start == 0)
+        return mu->lambda;
+    return camera->path->vertex[camera->strand ? camera->strand->start : x].lambda_film;
 }
 
-/* Value × weight of y and x joined at mu, with a density 1/draw of that wavelength; waits for the shadow ray. */
+/* y and x joined at mu. Both may be looked at before: then `sight` knows. */
 static void join(const struct integrator *it, struct worker *w, struct joint *joint, const struct taps *light,
-                 const struct taps *camera, float mu, double draw, struct pendings *out)
+                 int y, const struct taps *camera, int x, const struct bundle *mu, struct sight *sight,
+                 const int *splat)
 {
-    struct choice as_y = light->group->as, as_x = camera->group->as;
-    int y_at = joint->s - 1, x_at = joint->t - 1;
-    out->count = 0;
-    if (!joint_open(w, joint, light->path, camera->path) || !joint_is_allowed(it, joint, as_y, as_x))
+    if (!joint_open(joint, &light->path->vertex[y], &camera->path->vertex[x], w->stamp, sight))
         return;
-    if (light->relit) {
-        relit_put(light->relit, SIDE_LIGHT, y_at, &joint->path);
-        joint->throughput_y = light->relit->throughput[y_at];
-    }
-    if (camera->relit) {
-        relit_put(camera->relit, SIDE_CAMERA, x_at, &joint->path);
-        joint->throughput_x = camera->relit->throughput[x_at];
-    }
-    struct end y = joint_end(it, joint, SIDE_LIGHT, as_y, mu);
-    if (!(y.value > 0))
+    joint_set_end(joint, SIDE_LIGHT, light->path, y, light->strand, light->group->as);
+    joint_set_end(joint, SIDE_CAMERA, camera->path, x, camera->strand, camera->group->as);
+    if (!joint_is_allowed(it, joint))
         return;
-    struct end x = joint_end(it, joint, SIDE_CAMERA, as_x, mu);
-    double value = draw * joint_value(it, joint, &y, as_y, &x, as_x, mu);
-    if (value > 0)
-        pendings_add(it, out, joint, value, mu, film_lambda(camera, mu));
-    pendings_resolve(it, out, joint);
+    int lanes_y = joint->end[SIDE_LIGHT].at->lanes, lanes_x = joint->end[SIDE_CAMERA].at->lanes;
+    joint->lanes = lanes_y > lanes_x ? lanes_y : lanes_x;
+    if (mu->lanes > joint->lanes)
+        joint->lanes = mu->lanes;
+    memcpy(joint->lambda, mu->lambda, sizeof joint->lambda);
+    if (joint_evaluate_end(it, joint, SIDE_LIGHT) && joint_evaluate_end(it, joint, SIDE_CAMERA))
+        joint_contribute(it, w, joint, mu->density, film_lambda(camera, x, mu), splat);
 }
 
 static void join_taps(const struct integrator *it, struct worker *w, const struct taps *light,
-                      const struct taps *camera, float mu, double draw)
+                      const struct taps *camera, const struct bundle *mu)
 {
-    struct pendings pendings;
+    struct joint joint = {.turned = 0};
+    bool copied = light->path == &w->copy;
     for (int y = light->first; y < light->end; y++) {
         if (!can_end(&light->path->vertex[y], light->group->as))
             continue;
         for (int x = camera->first; x < camera->end; x++) {
-            struct joint joint;
-            joint_set(&joint, &light->path->vertex[y], &camera->path->vertex[x], y + 1, x + 1);
-            if (!it->settings.technique[y + 1][x + 1] || !can_end(joint.x, camera->group->as))
+            struct sight seen_once = {.stamp = 0};
+            if (!it->settings.technique[y + 1][x + 1] || !can_end(&camera->path->vertex[x], camera->group->as))
                 continue;
-            join(it, w, &joint, light, camera, mu, draw, &pendings);
-            pendings_gather(it, w, &pendings);
+            join(it, w, &joint, light, y, camera, x, mu, copied ? &seen_once : &w->sight[y * PATH_VERTICES + x],
+                 NULL);
         }
     }
 }
 
 /* --- Runs against runs: the rows of the table ------------------------------------------------------------------ */
 
-/* The non-dispersive part of a group at mu. False if there is none, or nothing of that wavelength arrives. */
-static bool plain_taps(const struct integrator *it, enum side side, const struct subpath *path,
-                       const struct group *g, float mu, struct relit *relit, struct taps *taps)
+/* The non-dispersive part of a group at mu. False if there is none, or nothing of its wavelengths arrives. */
+static bool plain_taps(const struct integrator *it, struct worker *w, enum side side, const struct subpath *path,
+                       const struct group *g, const struct bundle *mu, struct taps *taps)
 {
     *taps = (struct taps){path, g, g->first, g->dispersive, NULL};
     if (g->first == g->dispersive)
         return false;
     if (g->as.label == LABEL_FLUORESCENT)
         return true;
-    taps->relit = relit;
-    return relight(it, side, path, g->start, g->dispersive - 1, mu, relit);
+    taps->strand = w->strand[side];
+    int before = path->vertex[g->start].arrival.lanes, lanes = mu->lanes > before ? mu->lanes : before;
+    taps->end =
+        relight(it, w, side, path, g->start, g->dispersive - 1, lanes, mu->lambda, w->strand[side]) + 1;
+    return taps->end > taps->first;
 }
 
 static struct taps dispersive_taps(const struct subpath *path, const struct group *g)
@@ -143,43 +144,47 @@ static struct taps dispersive_taps(const struct subpath *path, const struct grou
     return (struct taps){path, g, g->dispersive, g->end, NULL};
 }
 
-static bool draw_product(const struct integrator *it, const struct worker *w, int source, int sink,
-                         uint32_t dimension, float *mu, double *draw)
+static bool bundle_draw(const struct integrator *it, const struct worker *w, int source, int sink,
+                        uint32_t dimension, struct bundle *mu)
 {
-    const struct spectral_histogram *product = wavelengths_product(&it->wavelengths, source, sink);
-    float pdf;
-    if (!product)
-        return false;
-    *mu = spectral_histogram_sample(product, random_at(w->random, dimension), &pdf);
-    *draw = 1 / (double)pdf;
-    return pdf > 0;
+    mu->lanes = it->lanes;
+    mu->density = mu->drawn;
+    return draw_product(it, w, source, sink, dimension, it->lanes, mu->lambda, mu->drawn);
+}
+
+/* The one wavelength that is left behind a dispersive refraction. */
+static void bundle_traced(const struct integrator *it, const struct subpath *path, const struct group *g,
+                          struct bundle *mu)
+{
+    mu->lanes = 1;
+    mu->density = NULL;
+    for (int i = 0; i < it->lanes; i++)
+        mu->lambda[i] = path->vertex[g->dispersive].arrival.lambda[0];
 }
 
 static void join_groups(const struct integrator *it, struct worker *w, const struct group *light,
                         const struct group *camera, uint32_t dimension)
 {
-    struct relit at_y, at_x;
     struct taps y, x;
-    float mu;
-    double draw;
+    struct bundle mu;
     bool y_plain = light->first < light->dispersive, x_plain = camera->first < camera->dispersive;
     if (y_plain && x_plain &&
-        draw_product(it, w, source_of(it, &w->light, light), sink_of(it, &w->camera, camera), dimension, &mu,
-                     &draw) &&
-        plain_taps(it, SIDE_LIGHT, &w->light, light, mu, &at_y, &y) &&
-        plain_taps(it, SIDE_CAMERA, &w->camera, camera, mu, &at_x, &x))
-        join_taps(it, w, &y, &x, mu, draw);
+        bundle_draw(it, w, origin_of(it, SIDE_LIGHT, &w->light, light),
+                    origin_of(it, SIDE_CAMERA, &w->camera, camera), dimension, &mu) &&
+        plain_taps(it, w, SIDE_LIGHT, &w->light, light, &mu, &y) &&
+        plain_taps(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
+        join_taps(it, w, &y, &x, &mu);
     if (camera->dispersive < camera->end) { /* the camera's own wavelength */
-        mu = w->camera.vertex[camera->dispersive].lambda_in;
+        bundle_traced(it, &w->camera, camera, &mu);
         x = dispersive_taps(&w->camera, camera);
-        if (plain_taps(it, SIDE_LIGHT, &w->light, light, mu, &at_y, &y))
-            join_taps(it, w, &y, &x, mu, 1);
+        if (plain_taps(it, w, SIDE_LIGHT, &w->light, light, &mu, &y))
+            join_taps(it, w, &y, &x, &mu);
     }
-    if (light->dispersive < light->end) { /* the light's */
-        mu = w->light.vertex[light->dispersive].lambda_in;
+    if (light->dispersive < light->end) { /* the light's own */
+        bundle_traced(it, &w->light, light, &mu);
         y = dispersive_taps(&w->light, light);
-        if (plain_taps(it, SIDE_CAMERA, &w->camera, camera, mu, &at_x, &x))
-            join_taps(it, w, &y, &x, mu, 1);
+        if (plain_taps(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
+            join_taps(it, w, &y, &x, &mu);
     }
 }
 
@@ -191,83 +196,110 @@ static void draw_numbers(const struct worker *w, uint32_t dimension, int count, 
         u[i] = random_at(w->random, dimension + (uint32_t)i);
 }
 
-static const struct group light_group = {0, 0, 1, 1, {LABEL_FLUORESCENT, 0}};
+static const struct group end_group = {0, 0, 1, 1, {LABEL_FLUORESCENT, 0}};
 
-/* s = 1: a light point drawn anew for each vertex of the part. */
-static void join_lights(const struct integrator *it, struct worker *w, const struct taps *camera, float mu,
-                        double draw)
+/* One camera vertex with one label, from the light point `light`. */
+static void join_light(const struct integrator *it, struct worker *w, const struct subpath *light,
+                       const struct group *g, int x, uint32_t dimension, struct sight *sight)
+{
+    struct taps y = {light, &end_group, 0, 1, NULL}, taps = {&w->camera, g, x, x + 1, NULL};
+    struct joint joint = {.turned = 0};
+    struct bundle mu;
+    if (g->dispersive <= x) {
+        bundle_traced(it, &w->camera, g, &mu);
+    } else {
+        if (!bundle_draw(it, w, light->vertex->arrival.origin, origin_of(it, SIDE_CAMERA, &w->camera, g),
+                         dimension, &mu))
+            return;
+        if (g->as.label == LABEL_ELASTIC) {
+            if (relight(it, w, SIDE_CAMERA, &w->camera, g->start, x, it->lanes, mu.lambda,
+                        w->strand[SIDE_CAMERA]) < x)
+                return;
+            taps.strand = w->strand[SIDE_CAMERA];
+        }
+    }
+    join(it, w, &joint, &y, 0, &taps, x, &mu, sight, NULL);
+}
+
+/* s = 1: a light point drawn anew for each camera vertex. */
+static void connect_light(const struct integrator *it, struct worker *w, const struct group *run, int x)
 {
     struct vertex y;
     struct subpath light = {1, &y};
-    struct taps taps = {&light, &light_group, 0, 1, NULL};
-    struct pendings pendings;
+    struct sight sight = {.stamp = 0};
+    const struct vertex *v = &w->camera.vertex[x];
+    uint32_t dimension = DIM_NEE + (uint32_t)(x + 1) * DIMS_PER_NEE;
     float u[3];
-    for (int x = camera->first; x < camera->end; x++) {
-        struct joint joint;
-        joint_set(&joint, &y, &w->camera.vertex[x], 1, x + 1);
-        draw_numbers(w, DIM_NEE + (uint32_t)(x + 1) * DIMS_PER_NEE, 3, u);
-        if (!it->settings.technique[1][x + 1] || !can_end(joint.x, camera->group->as) ||
-            !joint_light_vertex(it, u, &y))
-            continue;
-        join(it, w, &joint, &taps, camera, mu, draw, &pendings);
-        pendings_gather(it, w, &pendings);
+    draw_numbers(w, dimension, 3, u);
+    if (!it->settings.technique[1][x + 1] || !v->surface.connects || !path_light_vertex(it, u, &y))
+        return;
+    if (v->surface.has_elastic)
+        join_light(it, w, &light, run, x, dimension + 4, &sight);
+    for (int f = 0; f < v->surface.fluorescent_count; f++) {
+        struct group dye = {x, x, x + 1, x + 1, {LABEL_FLUORESCENT, f}};
+        join_light(it, w, &light, &dye, x, dimension + 5 + (uint32_t)f, &sight);
     }
 }
 
-static void connect_lights(const struct integrator *it, struct worker *w, const struct group *g,
-                           uint32_t dimension)
+/* t = 1: one light vertex with one label, seen from a lens point. */
+static void join_lens(const struct integrator *it, struct worker *w, const struct taps *light, int y,
+                      const struct subpath *lens, float pdf_direction, const struct bundle *mu,
+                      struct sight *sight, const int pixel[2])
 {
-    struct relit relit;
-    struct taps taps;
-    float mu;
-    double draw;
-    if (g->first < g->dispersive &&
-        draw_product(it, w, wavelengths_source_lamps(&it->wavelengths), sink_of(it, &w->camera, g), dimension,
-                     &mu, &draw) &&
-        plain_taps(it, SIDE_CAMERA, &w->camera, g, mu, &relit, &taps))
-        join_lights(it, w, &taps, mu, draw);
-    taps = dispersive_taps(&w->camera, g);
-    if (taps.first < taps.end)
-        join_lights(it, w, &taps, w->camera.vertex[taps.first].lambda_in, 1);
+    struct taps x = {lens, &end_group, 0, 1, NULL};
+    struct joint joint = {.turned = 0, .pdf_camera_direction = pdf_direction};
+    join(it, w, &joint, light, y, &x, 0, mu, sight, pixel);
 }
 
-/* t = 1: a lens point drawn anew for each vertex of the part. */
-static void join_lens(const struct integrator *it, struct worker *w, const struct taps *light, float mu,
-                      double draw)
+/* The plain part of a light run at wavelengths that the camera takes, made once for all of its vertices. */
+struct lit_run {
+    struct taps taps;
+    struct bundle mu;
+    bool plain;
+};
+
+static void light_run(const struct integrator *it, struct worker *w, const struct group *run, uint32_t dimension,
+                      struct lit_run *lit)
 {
-    static const struct group camera_group = {0, 0, 1, 1, {LABEL_FLUORESCENT, 0}};
+    lit->plain = run->first < run->dispersive &&
+                 bundle_draw(it, w, origin_of(it, SIDE_LIGHT, &w->light, run),
+                             wavelengths_sink_camera(&it->wavelengths), dimension, &lit->mu) &&
+                 plain_taps(it, w, SIDE_LIGHT, &w->light, run, &lit->mu, &lit->taps);
+}
+
+/* A lens point drawn anew for each light vertex. */
+static void connect_lens(const struct integrator *it, struct worker *w, const struct group *run,
+                         const struct lit_run *lit, int y)
+{
     struct vertex x;
-    struct subpath camera = {1, &x};
-    struct taps taps = {&camera, &camera_group, 0, 1, NULL};
-    struct pendings pendings;
-    float u[4];
+    struct subpath lens = {1, &x};
+    struct sight sight = {.stamp = 0};
+    const struct vertex *v = &w->light.vertex[y];
+    uint32_t dimension = DIM_SPLAT + (uint32_t)(y + 1) * DIMS_PER_SPLAT;
+    float u[4], pdf_direction;
     int pixel[2];
-    for (int y = light->first; y < light->end; y++) {
-        struct joint joint;
-        joint_set(&joint, &light->path->vertex[y], &x, y + 1, 1);
-        draw_numbers(w, DIM_SPLAT + (uint32_t)(y + 1) * DIMS_PER_SPLAT, 4, u);
-        if (!it->settings.technique[y + 1][1] || !can_end(joint.y, light->group->as) ||
-            !joint_camera_vertex(it, &joint, &x, u, pixel))
-            continue;
-        join(it, w, &joint, light, &taps, mu, draw, &pendings);
-        pendings_splat(it, &pendings, pixel);
+    struct bundle mu;
+    draw_numbers(w, dimension, 4, u);
+    if (!it->settings.technique[y + 1][1] || (y > 0 && !v->surface.connects) ||
+        !joint_camera_vertex(it, v, &x, u, pixel, &pdf_direction))
+        return;
+    if (y > 0 && v->surface.has_elastic) {
+        if (lit->plain && y < lit->taps.end)
+            join_lens(it, w, &lit->taps, y, &lens, pdf_direction, &lit->mu, &sight, pixel);
+        if (y >= run->dispersive) {
+            struct taps taps = dispersive_taps(&w->light, run);
+            bundle_traced(it, &w->light, run, &mu);
+            join_lens(it, w, &taps, y, &lens, pdf_direction, &mu, &sight, pixel);
+        }
     }
-}
-
-static void connect_lens(const struct integrator *it, struct worker *w, int source, const struct group *g,
-                         uint32_t dimension)
-{
-    struct relit relit;
-    struct taps taps;
-    float mu;
-    double draw;
-    if (g->first < g->dispersive &&
-        draw_product(it, w, source, wavelengths_sink_camera(&it->wavelengths), dimension, &mu, &draw) &&
-        plain_taps(it, SIDE_LIGHT, &w->light, g, mu, &relit, &taps))
-        join_lens(it, w, &taps, mu, draw);
-    taps = dispersive_taps(&w->light, g);
-    if (taps.first < taps.end)
-        join_lens(it, w, &taps, w->light.vertex[taps.first].lambda_in, 1);
+    int dyes = y > 0 ? v->surface.fluorescent_count : 1; /* the light itself counts as one */
+    for (int f = 0; f < dyes; f++) {
+        struct group dye = {y, y, y + 1, y + 1, {LABEL_FLUORESCENT, f}};
+        struct taps taps = {&w->light, &dye, y, y + 1, NULL};
+        if (bundle_draw(it, w, origin_of(it, SIDE_LIGHT, &w->light, &dye),
+                        wavelengths_sink_camera(&it->wavelengths), dimension + 4 + (uint32_t)f, &mu))
+            join_lens(it, w, &taps, y, &lens, pdf_direction, &mu, &sight, pixel);
+    }
 }
 
 /* --- Both sides dispersive: a second light sub-path copies the camera's wavelength ----------------------------------- */
@@ -286,7 +318,7 @@ static bool list_copies(const struct integrator *it, const struct worker *w, con
             int at = copying->runs++;
             copying->run[at] = run;
             copying->first[at] = i;
-            copying->lambda[at] = w->camera.vertex[groups[i].dispersive].lambda_in;
+            copying->lambda[at] = w->camera.vertex[groups[i].dispersive].arrival.lambda[0];
             total += copying->chance[at] = copy_run_chance(it, run);
         }
         run++;
@@ -300,15 +332,40 @@ static void connect_copies(const struct integrator *it, struct worker *w, const 
                            int count)
 {
     struct copying copying;
+    struct bundle mu;
     if (!list_copies(it, w, groups, count, &copying))
         return;
     path_trace_copy(it, w, &copying);
     if (copying.taken < 0 || w->copy.count < 2)
         return;
+    const struct group *camera = &groups[copying.first[copying.taken]];
     struct group light = elastic_group(&w->copy, copying.start);
-    struct taps y = dispersive_taps(&w->copy, &light);
-    struct taps x = dispersive_taps(&w->camera, &groups[copying.first[copying.taken]]);
-    join_taps(it, w, &y, &x, copying.lambda[copying.taken], 1);
+    struct taps y = dispersive_taps(&w->copy, &light), x = dispersive_taps(&w->camera, camera);
+    bundle_traced(it, &w->camera, camera, &mu);
+    join_taps(it, w, &y, &x, &mu);
+}
+
+/* --- All of them ------------------------------------------------------------------------------------------------ */
+
+static void connect_lights(const struct integrator *it, struct worker *w, const struct group groups[], int count)
+{
+    for (int i = 0; i < count; i++)
+        for (int x = groups[i].first; groups[i].as.label == LABEL_ELASTIC && x < groups[i].end; x++)
+            connect_light(it, w, &groups[i], x);
+}
+
+static void connect_lenses(const struct integrator *it, struct worker *w, const struct group groups[], int count,
+                           uint32_t dimension)
+{
+    connect_lens(it, w, NULL, NULL, 0); /* the light itself, seen by the camera */
+    for (int i = 0; i < count; i++) {
+        struct lit_run lit;
+        if (groups[i].as.label != LABEL_ELASTIC)
+            continue;
+        light_run(it, w, &groups[i], dimension + (uint32_t)i, &lit);
+        for (int y = groups[i].first; y < groups[i].end; y++)
+            connect_lens(it, w, &groups[i], &lit, y);
+    }
 }
 
 void exact_connect_all(const struct integrator *it, struct worker *w)
@@ -316,17 +373,13 @@ void exact_connect_all(const struct integrator *it, struct worker *w)
     struct group of_light[GROUPS_MAX], of_camera[GROUPS_MAX];
     int lights = w->light.count > 0 ? list_groups(&w->light, of_light) : 0;
     int cameras = w->camera.count > 0 ? list_groups(&w->camera, of_camera) : 0;
-    for (int x = 0; x < cameras; x++) {
-        uint32_t dimension = DIM_CONNECT + (uint32_t)x * (GROUPS_MAX + 1);
-        connect_lights(it, w, &of_camera[x], dimension);
+    connect_lights(it, w, of_camera, cameras);
+    for (int x = 0; it->meets && x < cameras; x++)
         for (int y = 0; y < lights; y++)
-            join_groups(it, w, &of_light[y], &of_camera[x], dimension + 1 + (uint32_t)y);
-    }
-    uint32_t dimension = DIM_CONNECT + (uint32_t)GROUPS_MAX * (GROUPS_MAX + 1);
-    for (int y = 0; y < lights; y++)
-        connect_lens(it, w, source_of(it, &w->light, &of_light[y]), &of_light[y], dimension + (uint32_t)y);
-    if (w->light.count > 0) /* the light itself, seen by the camera */
-        connect_lens(it, w, wavelengths_source_lamps(&it->wavelengths), &light_group, dimension + GROUPS_MAX);
-    if (it->settings.technique[2][2])
+            join_groups(it, w, &of_light[y], &of_camera[x],
+                        DIM_CONNECT + (uint32_t)x * (GROUPS_MAX + 1) + (uint32_t)y);
+    if (w->light.count > 0)
+        connect_lenses(it, w, of_light, lights, DIM_CONNECT + (uint32_t)GROUPS_MAX * (GROUPS_MAX + 1));
+    if (it->meets)
         connect_copies(it, w, of_camera, cameras);
 }

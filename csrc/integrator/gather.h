@@ -7,10 +7,10 @@
 /* `passed`: the ray went through transparent surfaces since the last vertex. */
 
 /* Lamps along the segment `ray` of worker->camera's next edge and, if it goes to infinity, the world and suns. */
-void gather_lamps(const struct integrator *, struct worker *, const struct ray *, double throughput,
-                  bool passed, bool to_infinity);
+void gather_lamps(const struct integrator *, struct worker *, const struct ray *, bool passed,
+                  bool to_infinity);
 /* An emitting surface at the end of that edge. */
 void gather_surface(const struct integrator *, struct worker *, const struct hit *, struct vec3 direction,
-                    double throughput, bool passed);
+                    bool passed);
 
 #endif

@@ -7,13 +7,16 @@
 #include "base/error.h"
 #include "integrator/connect.h"
 #include "integrator/exact.h"
+#include "integrator/joint.h"
 #include "integrator/kinds.h"
 #include "integrator/path.h"
+#include "integrator/relight.h"
 
 struct integrator_settings integrator_settings_default(void)
 {
     return (struct integrator_settings){
         .name = "mbdpt",
+        .lanes = 1,
         .d0_nm = 50,
         .shrink = 0.2,
         .kernel = MOLLIFIER_CONSTANT,
@@ -55,6 +58,7 @@ static void choose_techniques(struct integrator *it, const struct integrator_kin
             it->traces_light |= used && (s >= 2 || t == 1);
             splats |= used && t == 1;
             it->connects |= used && s >= 1;
+            it->meets |= used && s >= 2 && t >= 2;
             if (used && t - 1 > it->camera_edges)
                 it->camera_edges = t - 1;
             if (used && (s >= 2 || t == 1) && s - 1 > it->light_edges)
@@ -64,6 +68,23 @@ static void choose_techniques(struct integrator *it, const struct integrator_kin
     int edges = settings->max_path;
     it->limits_bounces =
         settings->max_diffuse < edges || settings->max_glossy < edges || settings->max_transmission < edges;
+}
+
+/* How the cuts of a path of each length share it. */
+static enum cuts name_cuts(const struct integrator_settings *settings)
+{
+    bool one = true, lights = true, all = true;
+    for (int edges = 1; edges <= settings->max_path; edges++) {
+        int used = 0;
+        for (int s = 0; s <= edges; s++) {
+            bool is = settings->technique[s][edges + 1 - s];
+            used += is;
+            lights &= is == (s <= 1 && edges + 1 - s >= 2);
+            all &= is;
+        }
+        one &= used <= 1;
+    }
+    return one ? CUTS_ONE : all ? CUTS_ALL : lights ? CUTS_LIGHTS : CUTS_CHOSEN;
 }
 
 static bool check_settings(const struct integrator_settings *s, stokes_error *err)
@@ -79,6 +100,8 @@ static bool check_settings(const struct integrator_settings *s, stokes_error *er
         return fail(err, "settings", "max_path, max_camera, max_light",
                     "%d, %d, %d are not within 0 to %d edges", s->max_path, s->max_camera, s->max_light,
                     PATH_EDGES_MAX);
+    if (s->lanes != 1 && s->lanes != 4 && s->lanes != 8)
+        return fail(err, "settings", "lanes", "%d is not 1, 4 or 8", s->lanes);
     return true;
 }
 
@@ -105,7 +128,11 @@ static bool create_workers(struct integrator *it, stokes_error *err)
         w->light.vertex = calloc(PATH_VERTICES, sizeof *w->light.vertex);
         w->copy.vertex = calloc(PATH_VERTICES, sizeof *w->copy.vertex);
         w->gathered.bin = it->film->bins ? calloc((size_t)it->film->bins, sizeof *w->gathered.bin) : NULL;
-        if (!w->camera.vertex || !w->light.vertex || !w->copy.vertex || (it->film->bins && !w->gathered.bin))
+        w->sight = calloc((size_t)PATH_VERTICES * PATH_VERTICES, sizeof *w->sight);
+        for (int side = 0; side < SIDES; side++)
+            w->strand[side] = calloc(1, sizeof *w->strand[side]);
+        if (!w->camera.vertex || !w->light.vertex || !w->copy.vertex || !w->sight || !w->strand[SIDE_LIGHT] ||
+            !w->strand[SIDE_CAMERA] || (it->film->bins && !w->gathered.bin))
             return fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
     }
     return it->worker || fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
@@ -136,7 +163,9 @@ struct integrator *integrator_create(const struct integrator_settings *settings,
     it->kappa = cmf_normalization(settings->lambda_min, settings->lambda_max);
     it->worker_count = threads > 1 ? threads : 1;
     scene_camera_size(scene, it->full, it->border);
+    it->lanes = settings->lanes;
     choose_techniques(it, kind);
+    it->cuts = name_cuts(&it->settings);
     if (!wavelengths_create(&it->wavelengths, settings, scene, err) || !create_workers(it, err)) {
         integrator_destroy(it);
         return NULL;
@@ -154,6 +183,9 @@ void integrator_destroy(struct integrator *it)
         free(it->worker[i].light.vertex);
         free(it->worker[i].copy.vertex);
         free(it->worker[i].gathered.bin);
+        free(it->worker[i].sight);
+        free(it->worker[i].strand[SIDE_LIGHT]);
+        free(it->worker[i].strand[SIDE_CAMERA]);
     }
     free(it->worker);
     wavelengths_destroy(&it->wavelengths);
@@ -175,6 +207,7 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     w->half_width_nm = (float)(settings->d0_nm * pow(sample + 1, -settings->shrink));
     w->camera.count = w->light.count = w->copy.count = 0;
     w->sightings = 0;
+    w->stamp++;
     film_sample_clear(it->film, &w->gathered);
     w->gathered.alpha = settings->film_transparent ? 0 : 1;
     if (inside && it->traces_camera) {

@@ -15,6 +15,7 @@ enum mollifier { MOLLIFIER_CONSTANT };
 struct integrator_settings {
     const char *name;
     uint32_t seed;
+    int lanes;            /* wavelengths in a bundle: 1, 4 or 8 */
     double d0_nm, shrink; /* d_n = d0 n^(−shrink) */
     enum mollifier kernel;
     enum side mollify_side;

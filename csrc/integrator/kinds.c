@@ -21,9 +21,9 @@ static bool everything(int s, int t)
 }
 
 static const struct integrator_kind kinds[] = {
-    {"pt", hits_lights, false},
-    {"pt_nee", hits_or_connects_to_lights, false},
-    {"lt", connects_to_the_camera, false},
+    {"pt", hits_lights, true},
+    {"pt_nee", hits_or_connects_to_lights, true},
+    {"lt", connects_to_the_camera, true},
     {"mbdpt", everything, false}, /* Jung, Hanika, Dachsbacher 2020 */
     {"bdpt", everything, true},   /* algorithm.md §9 */
 };

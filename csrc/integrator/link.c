@@ -55,7 +55,7 @@ static double emitted_density(const struct integrator *it, const struct full_pat
 {
     float lambda = path->step[y + 1].lambda;
     return y == 0 ? scene_pdf_light_lambda(it->scene, path->light, lambda)
-                  : spectrum_pdf(scene_fluorophore_emission(it->scene, path->step[y].dye), lambda);
+                  : scene_fluorophore_pdf_emitted(it->scene, path->step[y].dye, path->step[y].lambda, lambda);
 }
 
 /* The same of F vertex x's camera-side step, edge x. */
@@ -64,7 +64,7 @@ static double absorbed_density(const struct integrator *it, const struct full_pa
     float lambda = path->step[x].lambda;
     return x == path->edges
                ? spectrum_pdf(it->wavelengths.camera, lambda)
-               : spectrum_pdf(scene_fluorophore_absorption(it->scene, path->step[x].dye), lambda);
+               : scene_fluorophore_pdf_absorbed(it->scene, path->step[x].dye, lambda, path->step[x + 1].lambda);
 }
 
 /* --- The two tables ------------------------------------------------------------------------------------------ */
@@ -121,8 +121,7 @@ static double exact_wavelength(const struct integrator *it, const struct full_pa
         return 1 / drawn_by_light;
     if (y.disperses)
         return 1 / drawn_by_camera;
-    int source = c == 1 ? wavelengths_source_lamps(&it->wavelengths) : source_at(it, path, y.start);
-    return product_density(it, path, source, x.start, c) / (drawn_by_light * drawn_by_camera);
+    return product_density(it, path, source_at(it, path, y.start), x.start, c) / (drawn_by_light * drawn_by_camera);
 }
 
 double link_factor(const struct integrator *it, const struct full_path *path, const struct chart *chart,

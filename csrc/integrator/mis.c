@@ -1,11 +1,22 @@
-/* Weights by walking the cuts outward from the one that was drawn: each step exchanges one light-side density for one
-   camera-side density. mis_cut_density is the plain product beside it, which the tests hold it against. */
-#include "integrator/link.h"
+/* Plain weights: every cut's density is multiplied out. */
+#include "integrator/mis.h"
 
-static void copy_step(struct full_step *step, const struct vertex *v, enum side side)
+#include "integrator/joint.h"
+#include "integrator/link.h"
+#include "integrator/relight.h"
+
+/* One side of a path, walked from its end to its beginning; i counts its own vertices. */
+static void put_step(struct full_path *path, enum side side, int i, float own, float other, float lambda)
 {
-    step->fwd = side == SIDE_LIGHT ? v->pdf_own : v->pdf_other;
-    step->rev = side == SIDE_LIGHT ? v->pdf_other : v->pdf_own;
+    int at = side == SIDE_LIGHT ? i : path->edges - i;
+    path->step[at].fwd = side == SIDE_LIGHT ? own : other;
+    path->step[at].rev = side == SIDE_LIGHT ? other : own;
+    path->step[side == SIDE_LIGHT ? at + 1 : at].lambda = lambda;
+}
+
+static void put_vertex(struct full_path *path, enum side side, int i, const struct vertex *v)
+{
+    struct full_step *step = &path->step[side == SIDE_LIGHT ? i : path->edges - i];
     step->label = v->label;
     step->disperses = v->disperses;
     step->dye = v->kind == VERTEX_SURFACE && v->label == LABEL_FLUORESCENT
@@ -13,55 +24,89 @@ static void copy_step(struct full_step *step, const struct vertex *v, enum side 
                     : -1;
 }
 
-void full_path_copy(struct full_path *path, const struct subpath *light, int s, const struct subpath *camera,
-                    int t, int edges)
+/* The edge that ends at own vertex i. */
+static void put_edge(struct full_path *path, enum side side, int i, double geometry)
+{
+    path->step[side == SIDE_LIGHT ? i : path->edges - i + 1].geometry = geometry;
+}
+
+/* The first `count` own vertices, all passed, with the lane that has this place among those that arrive at vertex `count`. */
+static void put_side(struct full_path *path, enum side side, const struct subpath *own, int count,
+                     const struct strand *strand, int lane)
+{
+    for (int i = count - 1; i >= 0; i--) {
+        const struct vertex *v = &own->vertex[i];
+        put_vertex(path, side, i, v);
+        if (i > 0)
+            put_edge(path, side, i, v->geometry);
+        if (strand && i >= strand->start) {
+            put_step(path, side, i, strand->own[i][lane], strand->other[i][lane], strand->at[i + 1].lambda[lane]);
+            continue;
+        }
+        int out = lane < v->lanes_out ? lane : 0;
+        put_step(path, side, i, v->own[out], v->other[out], v->lambda_out[out]);
+        lane = v->from[out];
+    }
+}
+
+static void put_end(struct full_path *path, const struct joint_end *end, enum side side, int i, int lane)
+{
+    struct full_step *step = &path->step[side == SIDE_LIGHT ? i : path->edges - i];
+    double own = end->steps.pdf[lane], other = end->steps.pdf_other[lane];
+    step->fwd = side == SIDE_LIGHT ? own : other;
+    step->rev = side == SIDE_LIGHT ? other : own;
+    step->label = end->as.label;
+    step->disperses = end->disperses;
+    step->dye = end->vertex->kind == VERTEX_SURFACE && end->as.label == LABEL_FLUORESCENT
+                    ? surface_fluorophore(&end->vertex->surface, end->as.lobe)
+                    : -1;
+    if (i > 0)
+        put_edge(path, side, i, end->vertex->geometry);
+}
+
+void full_path_of_joint(const struct integrator *it, const struct worker *w, const struct joint *joint, int lane,
+                        struct full_path *path)
+{
+    const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
+    (void)it;
+    path->edges = joint->s + joint->t - 1;
+    path->cut = joint->s;
+    path->half_width_nm = w->half_width_nm;
+    path->light = &y->path->vertex[0].light;
+    path->pdf_point = y->path->vertex[0].pdf_point;
+    put_side(path, SIDE_LIGHT, y->path, joint->s - 1, y->strand, (lane + joint->turned) % joint->lanes);
+    put_side(path, SIDE_CAMERA, x->path, joint->t - 1, x->strand, lane);
+    put_end(path, y, SIDE_LIGHT, joint->s - 1, lane);
+    put_end(path, x, SIDE_CAMERA, joint->t - 1, lane);
+    path->step[joint->s].geometry = joint->geometry;
+    path->step[joint->s].lambda = joint->lambda[lane];
+}
+
+void full_path_of_camera(const struct worker *w, const struct subpath *camera, int edges,
+                         const struct strand *strand, int lane, struct full_path *path)
 {
     path->edges = edges;
-    path->cut = s;
-    for (int i = 0; i < s; i++) {
-        const struct vertex *v = &light->vertex[i];
-        copy_step(&path->step[i], v, SIDE_LIGHT);
-        path->step[i].geometry = v->geometry;
-        path->step[i + 1].lambda = v->lambda_out;
-    }
-    for (int j = 0; j < t; j++) {
-        const struct vertex *v = &camera->vertex[j];
-        struct full_step *step = &path->step[edges - j];
-        copy_step(step, v, SIDE_CAMERA);
-        step->lambda = v->lambda_out;
-        if (j > 0)
-            step[1].geometry = v->geometry;
-    }
-    if (s > 0) {
-        path->pdf_point = light->vertex[0].pdf_point;
-        path->light = &light->vertex[0].light;
-    }
+    path->cut = 0;
+    path->half_width_nm = w->half_width_nm;
+    put_side(path, SIDE_CAMERA, camera, edges, strand, lane);
 }
 
 double mis_weight(const struct integrator *it, const struct full_path *path)
 {
-    const struct full_step *step = path->step;
-    struct chart chart;
-    int s = path->cut;
-    if (it->exact)
-        chart_runs(path, &chart);
-    double own = link_factor(it, path, &chart, s), sum = own;
-    double sub_paths = 1; /* densities of the two sub-paths of a cut over those of cut s */
-    for (int c = s; c < path->edges; c++) {
-        /* Cut c + 1: vertex c joins the light sub-path, vertex c + 1 leaves the camera's. */
-        sub_paths *= (c == 0 ? path->pdf_point : step[c - 1].fwd) / step[c + 1].rev;
-        if (!(sub_paths > 0))
-            break;
-        sum += sub_paths * link_factor(it, path, &chart, c + 1);
-    }
-    sub_paths = 1;
-    for (int c = s; c > 0; c--) {
-        sub_paths *= step[c].rev / (c == 1 ? path->pdf_point : step[c - 2].fwd);
-        if (!(sub_paths > 0))
-            break;
-        sum += sub_paths * link_factor(it, path, &chart, c - 1);
-    }
+    double own = mis_cut_density(it, path, path->cut), sum = 0;
+    for (int cut = 0; cut <= path->edges; cut++)
+        sum += mis_cut_density(it, path, cut);
     return sum > 0 ? own / sum : 0;
+}
+
+void mis_weigh_plainly(const struct integrator *it, const struct worker *w, const struct joint *joint,
+                       double weight[LANES_MAX])
+{
+    struct full_path path;
+    for (int i = 0; i < joint->lanes; i++) {
+        full_path_of_joint(it, w, joint, i, &path);
+        weight[i] = mis_weight(it, &path);
+    }
 }
 
 double mis_cut_density(const struct integrator *it, const struct full_path *path, int cut)

@@ -1,4 +1,5 @@
-/* Multiple importance sampling: the balance heuristic over all cuts of one labelled path (algorithm.md §6, algorithm.md §7). */
+/* Multiple importance sampling, plainly: the balance heuristic over all cuts of one labelled path, from the product of all densities of
+   each (algorithm.md §6, §7). For subsets of techniques, and to hold tally.h's recursion against. */
 #ifndef INTEGRATOR_MIS_H
 #define INTEGRATOR_MIS_H
 
@@ -6,11 +7,14 @@
 
 #define FULL_PATH_VERTICES (2 * PATH_VERTICES)
 
-/* All that the weight is a function of. Indices run from the light (0) to the camera (edges); step[i].geometry and step[i].lambda
+struct joint;
+
+/* All that the weight is a function of: one lane. Indices run from the light (0) to the camera (edges); step[i].geometry and step[i].lambda
    belong to edge i, between vertices i − 1 and i. */
 struct full_path {
     int edges; /* K */
     int cut;   /* s: the technique that made it */
+    double weight; /* what the integrator gave it; for observers */
     double pdf_point;
     float half_width_nm;
     const struct light_point *light;
@@ -25,15 +29,20 @@ struct full_path {
     } step[FULL_PATH_VERTICES];
 };
 
-/* Copies what the two sub-paths know of their first s and t vertices into a path of `edges` edges (s + t − 1, or s + t where a vertex
-   between them is still to come). What a connection changes — the end vertices y and x, and the edges between — is for the caller. */
-void full_path_copy(struct full_path *, const struct subpath *light, int s, const struct subpath *camera,
-                    int t, int edges);
+/* One lane of a connection whose ends are evaluated. */
+void full_path_of_joint(const struct integrator *, const struct worker *, const struct joint *, int lane,
+                        struct full_path *);
+/* One lane of the camera sub-path with `edges` edges, the last of which ends on a light: all but step[0], edge 1 and the light itself. */
+struct strand;
+void full_path_of_camera(const struct worker *, const struct subpath *, int edges, const struct strand *, int lane,
+                         struct full_path *);
 
-/* Weight of cut path->cut among all techniques that the integrator may use. Sums to 1 over them on a path of one wavelength per run. */
+/* Weight of cut path->cut among all techniques that the integrator may use. */
 double mis_weight(const struct integrator *, const struct full_path *);
+void mis_weigh_plainly(const struct integrator *, const struct worker *, const struct joint *,
+                       double weight[LANES_MAX]);
 
-/* Density of one cut over a factor common to all of them, in the plain product form: for tests, slow. */
+/* Density of one cut over a factor common to all of them. */
 double mis_cut_density(const struct integrator *, const struct full_path *, int cut);
 
 #endif

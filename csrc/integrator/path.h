@@ -2,7 +2,10 @@
 
    A path is x_0 (light) … x_K (camera); edge i lies between x_{i-1} and x_i (algorithm.md §7). The camera sub-path holds
    x_K, x_{K-1}, … and the light sub-path x_0, x_1, …, each in the order in which it was traced: `prev` and `next` are meant
-   that way. Densities are per projected solid angle, so a step's density over area is pdf × the edge's geometry term. */
+   that way. Densities are per projected solid angle, so a step's density over area is pdf × the edge's geometry term.
+
+   A sub-path carries a bundle of wavelengths (algorithm.md §11). One lane leads: it draws labels and directions. All share the
+   geometry, until a refraction disperses and leaves the leader alone. */
 #ifndef INTEGRATOR_PATH_H
 #define INTEGRATOR_PATH_H
 
@@ -15,17 +18,49 @@
 
 enum vertex_kind { VERTEX_LIGHT, VERTEX_CAMERA, VERTEX_SURFACE };
 
+/* The weights of all cuts before a vertex, relative to the sub-path that arrives there (algorithm.md §6 and §9). What the part of the
+   run that is still to come has to say about them is not known yet, so they are kept apart by the factor that it brings. */
+struct tally {
+    double closed[LANES_MAX]; /* nothing */
+    double open[LANES_MAX];   /* the own part does not disperse: P/far, or 1 if the other part does */
+    double near[LANES_MAX];   /* the own part does: 1/far, or a copy's chance */
+    double bent[LANES_MAX];   /* both do, camera side: a copy's chance/far */
+    double both[LANES_MAX];   /* a copy's chance */
+};
+
+/* What arrives at a vertex, lane by lane; as traced, or evaluated again at other wavelengths (relight.h). */
+struct arrival {
+    int lanes;
+    float lambda[LANES_MAX];      /* nm, of the edge to prev */
+    float draw[LANES_MAX];        /* density with which the run's start draws that, nm⁻¹ */
+    double throughput[LANES_MAX]; /* of everything before this vertex */
+    double seam[LANES_MAX]; /* 1/(density over area of the step that made this vertex); 0 behind a δ vertex */
+    struct tally tally;     /* of the cuts before, over the density of that step's direction */
+    int start;              /* vertex where the run starts (an F vertex, the light, the camera) */
+    bool first;             /* that is the vertex before */
+    int origin;             /* the source (light side) or sink (camera side) of wavelengths.h that it is */
+    int dyes;               /* F vertices passed */
+    bool disperses;         /* some vertex of the run before this one does */
+    bool disperses_early;   /* and some vertex before the previous one */
+};
+
 struct vertex {
     enum vertex_kind kind;
     enum label label; /* of a vertex that was passed; the last one of a sub-path has none yet */
     int lobe;         /* fluorescent or specular lobe of that label */
     struct vec3 position;
     struct vec3 to_prev, to_next; /* unit, away from the vertex */
-    float lambda_in, lambda_out;  /* nm, of the edges to prev and next */
-    double throughput;            /* on arrival: everything before this vertex */
-    float pdf_own;                /* label × wavelength × direction of the step to next */
-    float pdf_other; /* with which the other side's sub-path, coming from next, would step to prev */
-    float survival;  /* of roulette; in a copying sub-path also the chance of an own wavelength */
+    struct arrival arrival;
+    float lead[LANES_MAX]; /* how likely each lane would have led here, relative to all that live: their mean is 1 */
+    int leader, leaders;   /* the lane that leads, of how many that live */
+    float lambda_film[LANES_MAX]; /* camera side: nm, of the first run */
+    /* Of the step to next, when passed: its lanes, and each one's place among those of arrival. */
+    int lanes_out;
+    uint8_t from[LANES_MAX];
+    float lambda_out[LANES_MAX];
+    float own[LANES_MAX];   /* nominal density: label × wavelength × direction */
+    float other[LANES_MAX]; /* with which the other side's sub-path, coming from next, would step to prev */
+    double drawn;    /* density with which the step was really drawn, all leaders together: label × direction × roulette */
     float geometry;  /* of the edge to prev */
     /* A distant light, an orthographic camera: a direction instead of a point, so that edges to it have no
        length, and its steps have densities per area perpendicular to them. */
@@ -33,8 +68,7 @@ struct vertex {
     /* Transparent surfaces on the edge to prev: whether there were any, and 1/(chance to stop at this vertex). */
     bool passed;
     float passage;
-    bool disperses;     /* passed by a refraction whose direction depends on the wavelength */
-    bool run_disperses; /* some vertex of this run before this one did (algorithm.md §9) */
+    bool disperses; /* passed by a refraction whose direction depends on the wavelength */
     uint8_t bounces[SCATTER_CLASSES];
     uint32_t kinds;           /* of rays that see this vertex (enum ray_kind) */
     float pdf_point;          /* VERTEX_LIGHT: of choosing light and point */
@@ -48,13 +82,11 @@ struct vertex {
 static inline void vertex_begin(struct vertex *v, enum vertex_kind kind)
 {
     v->kind = kind;
-    v->label = kind == VERTEX_SURFACE ? LABEL_ELASTIC : LABEL_FLUORESCENT;
+    v->label = LABEL_FLUORESCENT;
     v->lobe = 0;
-    v->lambda_in = v->lambda_out = 0;
-    v->throughput = 1;
-    v->pdf_own = v->pdf_other = 0;
-    v->survival = v->passage = 1;
+    v->passage = 1;
     v->geometry = 0;
+    v->drawn = 1;
     v->unbounded = v->passed = v->disperses = false;
 }
 
@@ -71,6 +103,7 @@ enum dimension {
     DIM_LIGHT = 8,  /* 3: light, point */
     DIM_LIGHT_LAMBDA = 11,
     DIM_LIGHT_DIRECTION = 12, /* 2 */
+    DIM_LIGHT_LEADER = 14,
     /* DIMS_PER_STEP for each surface that a segment meets, PASSES_MAX of them a step. */
     DIM_CAMERA_STEP = 1 << 8,
     DIM_LIGHT_STEP = 1 << 16,
@@ -82,6 +115,9 @@ enum dimension {
         9 << 16, /* the second light sub-path of exact.c: the light's dimensions, and one for each copy */
     DIM_COPY_STEP = 10 << 16,
 };
+enum { SIDES = 2 };
+/* Within a step: 0–3 the surface's, then */
+enum { STEP_ROULETTE = 4, STEP_PASS = 5, STEP_COPY = 6, STEP_LEADER = 7 };
 enum { DIMS_PER_STEP = 8, DIMS_PER_NEE = 16, DIMS_PER_SPLAT = 16 };
 /* Surfaces that one step may pass without scattering. */
 enum { PASSES_MAX = 64 };
@@ -96,6 +132,9 @@ struct copying {
     int start;                         /* vertex where that run starts */
 };
 
+struct strand; /* relight.h */
+struct sight;  /* joint.h */
+
 /* One worker's memory and the state of the path that it traces. */
 struct worker {
     struct subpath camera, light, copy;
@@ -104,9 +143,20 @@ struct worker {
     struct random_path random;
     struct film_sample gathered;
     float half_width_nm; /* d_n */
+    struct strand *strand[SIDES]; /* runs that are being connected, evaluated again */
+    struct sight *sight;          /* PATH_VERTICES²: edges between the two sub-paths, once looked at */
+    uint32_t stamp;               /* of the sights that belong to this sample */
 };
 
 struct full_path; /* mis.h */
+
+/* Which cuts of a path are techniques, and so how weights are summed. */
+enum cuts {
+    CUTS_ONE,    /* one of each path: it has weight 1 */
+    CUTS_LIGHTS, /* s ≤ 1 */
+    CUTS_ALL,
+    CUTS_CHOSEN, /* any subset: by plain products (mis.h) */
+};
 
 struct integrator {
     struct integrator_settings settings;
@@ -116,7 +166,10 @@ struct integrator {
     double kappa;
     int full[2], border[4];
     bool traces_camera, traces_light, connects, splats;
+    bool meets;                    /* some technique has s ≥ 2 and t ≥ 2 */
     bool exact;                    /* connections by exact.c instead of the mollified table */
+    enum cuts cuts;
+    int lanes;                     /* 1, 4 or 8 */
     bool limits_bounces;           /* some limit on a class of bounces is tighter than max_path */
     int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
     int worker_count;
@@ -130,6 +183,8 @@ struct integrator {
 void path_trace_camera(const struct integrator *, struct worker *, float x, float y);
 /* Grows the light sub-path. */
 void path_trace_light(const struct integrator *, struct worker *);
+/* A light point drawn from three numbers. False without lights. */
+bool path_light_vertex(const struct integrator *, const float u[3], struct vertex *);
 /* Grows worker->copy; sets copying->taken and start. */
 void path_trace_copy(const struct integrator *, struct worker *, struct copying *);
 

@@ -68,8 +68,6 @@ static struct spectrum *binned_importance(struct range range, float min, float m
 static const struct spectrum *source_spectrum(const struct wavelengths *w, const struct scene *scene,
                                               int source)
 {
-    if (source == wavelengths_source_lamps(w))
-        return scene_lamp_spectrum(scene);
     if (source >= w->shapes)
         return scene_fluorophore_emission(scene, source - w->shapes);
     int light = 0;
@@ -80,7 +78,7 @@ static const struct spectrum *source_spectrum(const struct wavelengths *w, const
 
 static void fill_products(struct wavelengths *w, const struct scene *scene)
 {
-    int sinks = w->fluorophores + 1, sources = w->shapes ? w->shapes + w->fluorophores + 1 : 0;
+    int sinks = w->fluorophores + 1, sources = w->shapes ? w->shapes + w->fluorophores : 0;
     bool pairs = (size_t)sinks * (size_t)sources <= product_pairs_max;
     for (int sink = 0; sink < sinks; sink++) {
         const struct spectrum *taken =
@@ -119,7 +117,7 @@ bool wavelengths_create(struct wavelengths *w, const struct integrator_settings 
 void wavelengths_destroy(struct wavelengths *w)
 {
     size_t sinks = (size_t)w->fluorophores + 1,
-           sources = w->shapes ? (size_t)(w->shapes + w->fluorophores) + 1 : 0;
+           sources = w->shapes ? (size_t)(w->shapes + w->fluorophores) : 0;
     bool pairs = sinks * sources <= product_pairs_max;
     if (w->product)
         for (size_t i = 0; i < (pairs ? sinks * sources : sources ? sinks : 0); i++)

@@ -10,7 +10,7 @@ struct integrator_settings;
 struct wavelengths {
     struct spectrum *camera;             /* p_cam, not normalised */
     int shapes, fluorophores;            /* spectral shapes of lights; many lights share one */
-    struct spectral_histogram **product; /* (shapes + fluorophores + 1) × (fluorophores + 1) */
+    struct spectral_histogram **product; /* (shapes + fluorophores) × (fluorophores + 1) */
 };
 
 bool wavelengths_create(struct wavelengths *, const struct integrator_settings *, const struct scene *,
@@ -27,10 +27,10 @@ static inline int wavelengths_sink_camera(const struct wavelengths *w)
     return w->fluorophores;
 }
 
-/* All lights together, by their power-weighted sum: for light points that are drawn after the wavelength. */
-static inline int wavelengths_source_lamps(const struct wavelengths *w)
+/* The same for either: what a sub-path of `side` leaves behind at a dye, or would come to from the other. */
+static inline int wavelengths_dye(const struct wavelengths *w, enum side side, int dye)
 {
-    return w->shapes + w->fluorophores;
+    return side == SIDE_LIGHT ? wavelengths_source_dye(w, dye) : dye;
 }
 
 /* NULL where source and sink have no wavelength in common. */

@@ -54,6 +54,8 @@ static bool check_bins(const struct integrator_settings *s, stokes_error *err)
 bool session_settings_check(const struct session_settings *settings, stokes_error *err)
 {
     const struct integrator_settings *s = &settings->integrator;
+    if (s->lanes != 1 && s->lanes != 4 && s->lanes != 8)
+        return fail(err, "settings", "lanes", "%d is not 1, 4 or 8", s->lanes);
     return check_range("lambda_min", s->lambda_min, LAMBDA_LOWEST_NM, LAMBDA_HIGHEST_NM, err) &&
            check_range("lambda_max", s->lambda_max, s->lambda_min + LAMBDA_NARROWEST_NM, LAMBDA_HIGHEST_NM,
                        err) &&
@@ -110,6 +112,8 @@ bool session_settings_override(struct session_settings *settings, const stokes_o
         return fail(err, "settings", "seed", "%lld does not fit 32 bits", (long long)o->seed);
     if (o->seed >= 0)
         s->seed = (uint32_t)o->seed;
+    if (o->lanes >= 0)
+        s->lanes = o->lanes;
     if (o->threads >= 0)
         settings->threads = o->threads;
     if (o->d0_nm >= 0)
@@ -130,6 +134,7 @@ stokes_overrides stokes_overrides_default(void)
     return (stokes_overrides){.seed = -1,
                               .first_sample = -1,
                               .end_sample = -1,
+                              .lanes = -1,
                               .threads = -1,
                               .d0_nm = -1,
                               .shrink = -1,

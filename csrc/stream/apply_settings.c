@@ -10,6 +10,7 @@
 
 static const struct field settings_fields[] = {
     {"seed", FIELD_U32, false, AT(integrator.seed), 0, 0, UINT32_MAX},
+    {"lanes", FIELD_INT, false, AT(integrator.lanes), 0, 0, INT_MAX},
     {"d0", FIELD_DOUBLE, false, AT(integrator.d0_nm), 0, 0, 1e6},
     {"shrink", FIELD_DOUBLE, false, AT(integrator.shrink), 0, 0, 1},
     {"max_path", FIELD_INT, false, AT(integrator.max_path), 0, 0, INT_MAX},
