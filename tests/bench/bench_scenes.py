@@ -88,14 +88,16 @@ def ball(path, resolution):
 
 
 WRITTEN = {"box": box, "ball": ball, "mercury": mercury}
-BUILT = ("spheres", "lens")  # by Blender
+BUILT = ("spheres", "lens", "ufo")  # by Blender
 TITLES = {
     "box": "box, all in the open",
     "spheres": "spheres",
     "ball": "light in a dispersive ball",
     "lens": "lenses on both sides",
     "mercury": "box under mercury lines",
+    "ufo": "UFO",
 }
+FIVE = ("box", "spheres", "ball", "lens", "mercury")  # of the benchmark
 
 
 def write(name, folder, resolution):

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "system"))
+sys.path[:0] = [str(ROOT / "tests" / room) for room in ("system", "bench")]
 
 import exr  # noqa: E402  (found by the line above)
 import scenes  # noqa: E402
@@ -22,8 +22,8 @@ UNIT = 2.0**-28  # of the film's sums (csrc/film/film.h)
 stream = scenes.stream
 
 
-def say(*words):
-    print(*words, flush=True)
+def say(*words, **how):
+    print(*words, flush=True, **how)
 
 
 # --- The core --------------------------------------------------------------------------------------
@@ -47,11 +47,12 @@ def cpu_seconds():
     return used.ru_utime + used.ru_stime
 
 
-def render(scene, out, snapshots=False, **options):
-    """Renders to `out` (EXR); returns processor seconds. Options are those of `stokes render`, with _ for -."""
+def render(scene, out, snapshots=False, flags=(), **options):
+    """Renders to `out` (EXR); returns processor seconds. Options are those of `stokes render`, with _ for -; `flags` those that
+    take no value."""
     out = pathlib.Path(out)
     out.parent.mkdir(parents=True, exist_ok=True)
-    words = ["render", scene, "-o", out, "--quiet"] + ["--snapshots"] * snapshots
+    words = ["render", scene, "-o", out, "--quiet", *["--snapshots"] * snapshots, *flags]
     words += [word for key, value in options.items() for word in ("--" + key.replace("_", "-"), value)]
     before = cpu_seconds()
     stokes(*words)

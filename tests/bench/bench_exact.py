@@ -45,11 +45,11 @@ class Method:
         return self.label().replace(" ", "-").replace("=", "")
 
 
-def methods(lanes):
+def methods(lanes, kernels=KERNELS):
     found = []
     for n in lanes if kit.has_option("lanes") else [None]:
         found += [Method(name, None, n) for name in ("pt_nee", "lt", "bdpt")]
-        found += [Method("mbdpt", kernel, n) for kernel in KERNELS]
+        found += [Method("mbdpt", kernel, n) for kernel in kernels]
     return found
 
 
@@ -200,7 +200,7 @@ less squared error a second of processor time leaves than `bdpt` (without lanes)
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--output", type=pathlib.Path, default=kit.ROOT / "build" / "bench")
-    parser.add_argument("--scenes", nargs="+", default=list(bench_scenes.TITLES), choices=list(bench_scenes.TITLES))
+    parser.add_argument("--scenes", nargs="+", default=list(bench_scenes.FIVE), choices=list(bench_scenes.TITLES))
     parser.add_argument("--lanes", nargs="+", type=int, default=[1, 4, 8])
     options = parser.parse_args()
     size = SIZES[kit.QUICK]
@@ -212,10 +212,10 @@ def main():
         lines += table(name, *done[name])
         kit.say("\n".join(table(name, *done[name])))
         (options.output / "exact.md").write_text("\n".join(lines), encoding="utf-8")
-    import exact_plots
+    import bench_plots
 
-    exact_plots.error_over_time(done, size, options.output / "exact-error.png")
-    exact_plots.side_by_side(done, options.output / "exact-pictures.png")
+    bench_plots.error_over_time(done, size, options.output / "exact-error.png")
+    bench_plots.side_by_side(done, options.output / "exact-pictures.png")
     kit.say("wrote", *sorted(str(path) for path in options.output.glob("exact*")))
 
 

@@ -1,0 +1,112 @@
+"""Figure 7: the lens scene at 4, 32, 256 and 1024 samples per pixel, unmollified and mollified with several (d0, s); and whether what
+the supplemental says of it (§4.3) holds here."""
+
+import numpy as np
+
+import bench_exact
+import bench_scenes
+import colour
+import kit
+import plots
+from plots import plt
+
+RESOLUTION, REFERENCE = ((24, 24), 512) if kit.QUICK else ((80, 80), 4096)
+ROWS = (4, 32, 256, 1024)
+UNMOLLIFIED = "BDPT, unmollified"  # both sub-paths at one wavelength
+PREVIEW = (100, 0)
+KERNELS = ((25, 0.4), (50, 0.2), (100, 0.2), PREVIEW)
+
+
+def columns():
+    found = {}
+    if kit.has_option("shared-wavelength"):
+        found[UNMOLLIFIED] = ["--shared-wavelength"], {"integrator": "bdpt"}
+    for d0, s in KERNELS:
+        found[kernel_title(d0, s)] = [], {"integrator": "mbdpt", "d0": d0, "shrink": s}
+    found["exact bdpt"] = [], {"integrator": "bdpt"}
+    return found
+
+
+def kernel_title(d0, s):
+    return "$d_0$ = %g nm, s = %g" % (d0, s)
+
+
+class Column:
+    def __init__(self, scene, flags, options, reference):
+        out = plots.WORK / "lens.exr"
+        self.counts = [2**k for k in range(ROWS[-1].bit_length())]
+        kit.render(scene, out, snapshots=True, flags=flags, spp=ROWS[-1], **options)
+        self.pictures = {count: kit.read_xyz(kit.snapshot(out, count)) for count in self.counts}
+        errors = np.array([reference.errors(self.pictures[count]) for count in self.counts])
+        self.luminance, self.chroma = np.sqrt(np.clip(errors, 0, None)).T
+
+    def at(self, count):
+        index = self.counts.index(count)
+        return self.luminance[index], self.chroma[index]
+
+
+def pictures(shown, reference):
+    figure, axes = plt.subplots(len(ROWS), len(shown) + 1, figsize=(2.1 * (len(shown) + 1), 2.35 * len(ROWS)))
+    gain = colour.exposure(reference.picture, 95)
+    for row, count in zip(axes, ROWS):
+        for panel, (title, column) in zip(row, shown.items()):
+            plots.picture(panel, column.pictures[count], gain, title if count == ROWS[0] else "")
+            panel.set_xlabel("RMSE Y %.2f, chroma %.2f" % column.at(count), fontsize=7)
+        plots.picture(row[-1], reference.picture, gain, "reference" if count == ROWS[0] else "")
+        row[0].set_ylabel("%d spp" % count)
+    figure.tight_layout()
+    plots.save(figure, "figure-07-lens")
+
+
+def errors(shown):
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4))
+    for title, column in shown.items():
+        line = {"exact bdpt": {"color": "black"}, UNMOLLIFIED: {"color": "#777777", "linestyle": "--"}}.get(title, {})
+        for panel, values in zip(axes, (column.luminance, column.chroma)):
+            panel.loglog(column.counts, values, marker="o", markersize=3, label=title, **line)
+    for panel, what in zip(axes, ("luminance", "chroma")):
+        panel.set_xlabel("samples per pixel")
+        panel.set_ylabel("RMSE of %s / mean luminance" % what)
+    axes[0].legend()
+    figure.suptitle("Lens scene: error against a long reference")
+    figure.tight_layout()
+    plots.save(figure, "figure-07-lens-error")
+
+
+def claim(text, first, second):
+    """One line per channel: whether the first error is the lower one."""
+    return [
+        "- %s, %s: %s (%.3f against %.3f)" % (text, what, "holds" if a < b else "does NOT hold", a, b)
+        for what, a, b in zip(("luminance", "chroma"), first, second)
+    ]
+
+
+def claims(shown):
+    preview = shown[kernel_title(*PREVIEW)]
+    shrinking = {title: column for title, column in shown.items() if title in [kernel_title(*k) for k in KERNELS if k[1] > 0]}
+    lines = ["# What the supplemental says of the lens scene (§4.3, figure 7)", ""]
+    best = min(shrinking, key=lambda title: shrinking[title].at(1024)[0])
+    if UNMOLLIFIED in shown:
+        plain = shown[UNMOLLIFIED]
+        lines += claim("at 4 spp d0 = 100 nm, s = 0 errs less than the unmollified BDPT", preview.at(4), plain.at(4))
+        lines += claim("at 1024 spp a shrinking kernel (%s) errs less than it" % best, shrinking[best].at(1024), plain.at(1024))
+    else:
+        lines += ["- this core has no `--shared-wavelength`: the unmollified BDPT is left out, and what compares with it"]
+    lines += claim(
+        "at 1024 spp a shrinking kernel (%s) errs less than d0 = 100 nm, s = 0" % best, shrinking[best].at(1024), preview.at(1024)
+    )
+    exact = shown["exact bdpt"]
+    rivals = [column.at(1024) for title, column in shown.items() if column is not exact and title != UNMOLLIFIED]
+    lines += claim("at 1024 spp the exact bdpt errs less than the best mollified one", exact.at(1024), np.min(rivals, axis=0))
+    return lines
+
+
+def draw():
+    scene = bench_scenes.write("lens", plots.WORK, RESOLUTION)
+    reference = bench_exact.Reference(scene, REFERENCE, plots.WORK / "reference")
+    shown = {title: Column(scene, flags, options, reference) for title, (flags, options) in columns().items()}
+    pictures(shown, reference)
+    errors(shown)
+    lines = claims(shown)
+    (plots.FOLDER / "figure-07-claims.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    kit.say(*["  " + line for line in lines[2:]], sep="\n")
