@@ -26,9 +26,9 @@ class Session:
         self.warnings = []  # one line each, until they are told
         self.replaced = []  # (object, property, text) of what the export had to replace
         self.width, self.height = rectangle[2] - rectangle[0], rectangle[3] - rectangle[1]
-        self.client = Client(
-            core_preference(), 16 * self.width * self.height, low_priority=not bpy.app.background
-        )
+        # Beside a window a render must not be felt; a preview is over in a second, and waited for.
+        low_priority = not (bpy.app.background or preview)
+        self.client = Client(core_preference(), 16 * self.width * self.height, low_priority)
 
     def __enter__(self):
         return self

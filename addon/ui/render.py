@@ -161,6 +161,18 @@ class STOKES_PT_report(RenderPanel, bpy.types.Panel):
         column_of(self.layout).prop(settings, "strict")
 
 
+class STOKES_PT_view_layer_filter(StokesPanel, bpy.types.Panel):
+    bl_label = "Filter"
+    bl_space_type = 'PROPERTIES'
+    bl_region_type = 'WINDOW'
+    bl_context = "view_layer"
+
+    def draw(self, context):
+        column = column_of(self.layout).column(heading="Include")
+        column.prop(context.view_layer, "use_sky", text="Environment")
+        column.prop(context.view_layer, "use_solid", text="Surfaces")
+
+
 class STOKES_PT_view_layer(StokesPanel, bpy.types.Panel):
     bl_label = "Override"
     bl_space_type = 'PROPERTIES'
@@ -184,5 +196,6 @@ CLASSES = (
     STOKES_PT_performance,
     STOKES_PT_scene_file,
     STOKES_PT_report,
+    STOKES_PT_view_layer_filter,
     STOKES_PT_view_layer,
 )

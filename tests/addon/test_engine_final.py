@@ -119,6 +119,63 @@ tell([blob(stream.read(os.path.join(TMP, "f%02d.stokes" % frame)), "instances", 
     assert told == pytest.approx([1, 2, 3])
 
 
+@oldest_and_newest
+def test_progress_and_the_time_that_remains_are_told(host, tmp_path):
+    """A batch render prints what Blender's status bar shows: the line that the fake core's seconds make, and the samples."""
+    done = host.start("empty_scene(samples=20); bpy.ops.render.render(); tell(1)", tmp_path, env={"FAKE_CORE": "slow"})
+    assert "TOLD 1" in done.stdout
+    if host.version == (3, 4):  # bpy as a module prints nothing
+        assert "Remaining 00:01 | fake" in done.stdout, done.stdout
+    told = host.run(
+        """
+from addon.engine import final
+class Engine:
+    def __init__(self):
+        self.said = []
+    def update_progress(self, share):
+        self.said.append(share)
+    def update_stats(self, stats, info):
+        self.said.append(info)
+engine = Engine()
+final._show_progress(engine, {"sample": 3, "samples": 4, "seconds": 9, "remaining": 3723.5, "text": ""})
+final._show_progress(engine, {"sample": 4, "samples": 4, "seconds": 9, "remaining": -1, "text": ""})
+tell([engine.said])
+""",
+        tmp_path,
+    )[0]
+    assert told == [0.75, "Remaining 1:02:03 | Sample 3/4", 0.999, "Sample 4/4"]
+
+
+@oldest_and_newest
+def test_blenders_output_settings_apply(host, tmp_path):
+    """Format, view transform and exposure: a PNG is what Blender itself makes of the picture's floats."""
+    differences = host.run(
+        """
+scene = empty_scene(size=(32, 16))
+scene.render.image_settings.color_mode = 'RGBA'
+told = []
+for view, exposure in (('Standard', 0), ('Raw', 0), ('Standard', 1.5)):
+    scene.view_settings.view_transform, scene.view_settings.exposure = view, exposure
+    scene.render.image_settings.file_format = 'PNG'
+    scene.render.filepath = os.path.join(TMP, "shown.png")
+    bpy.ops.render.render(write_still=True)
+    shown = bpy.data.images.load(os.path.join(TMP, "shown.png"))
+    shown.colorspace_settings.is_data = True
+    values = list(shown.pixels)
+    bpy.data.images.remove(shown)
+    worst = 0
+    for x in range(32):
+        linear = (x + 0.5) / 32 * 2 ** exposure
+        curve = 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+        worst = max(worst, abs(values[4 * x] - min(1, linear if view == 'Raw' else curve)))
+    told.append(worst)
+tell([told])
+""",
+        tmp_path,
+    )[0]
+    assert max(differences) < 0.01, differences
+
+
 FAULTS = [
     ["die-at=mesh", "The core ended with status 3: fake core: out of paper"],
     ["kill-at=render", "The core was killed by SIGKILL"],

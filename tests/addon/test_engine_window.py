@@ -66,7 +66,7 @@ def frames(tmp_path):
 
 
 @pytest.mark.skipif(not KEYS, reason="xdotool is not installed")
-def test_esc_cancels_within_100_ms_and_keeps_the_picture(tmp_path):
+def test_tiles_come_while_it_renders_and_esc_cancels_within_100_ms_and_keeps_them(tmp_path):
     told = run_in_window(
         """
 import time
@@ -85,7 +85,12 @@ def step():
     elif "pressed" not in state:
         if os.path.exists(log) and '"render"' in open(log).read():
             state["seen"] = state.get("seen", 0) + 1
-        if state.get("seen", 0) > 10:
+        if state.get("seen", 0) == 10:  # half a second on its way: what the Image Editor shows now
+            result = bpy.data.images["Render Result"]
+            result.save_render(os.path.join(TMP, "growing.png"))
+            growing = bpy.data.images.load(os.path.join(TMP, "growing.png"))
+            state["growing"] = max(growing.pixels[:3000])
+        if state.get("seen", 0) > 30:
             state["pressed"] = time.time()
             # Blender puts its window at the lower left of the screen of 1280 × 1024
             subprocess.run(["xdotool", "mousemove", "320", "800", "key", "Escape"], timeout=10)
@@ -94,7 +99,7 @@ def step():
         result = bpy.data.images["Render Result"]
         result.save_render(os.path.join(TMP, "kept.png"))
         kept = bpy.data.images.load(os.path.join(TMP, "kept.png"))
-        tell([state["pressed"], state["ended"], max(kept.pixels[:3000])])
+        tell([state["pressed"], state["ended"], max(kept.pixels[:3000]), state["growing"]])
         os._exit(0)
     return 0.02
 
@@ -103,21 +108,24 @@ bpy.app.timers.register(step, first_interval=0.5)
         tmp_path,
         "slow",
     )
-    pressed, ended, brightest = told
+    pressed, ended, brightest, growing = told
     cancel = [frame["at"] for frame in frames(tmp_path) if frame["name"] == "cancel"]
     print("Esc to cancel %.3f s, to the end %.3f s" % (cancel[0] - pressed, ended - pressed))
     assert (
         cancel[0] - pressed < 0.25
     )  # 100 ms of ours and Blender's own way from the key to the flag
     assert ended - pressed < 2 and brightest > 0.1
+    assert growing > 0.1  # tiles had come while it rendered
 
 
 def test_a_fluorescent_material_is_readable_in_its_preview(tmp_path):
-    """Here and not with -b, where 3.4.1 crashes at the end of any preview, with Cycles too."""
+    """Within two seconds, the ball is brighter and greener than the lamps' white would make it. Here and not with -b, where 3.4.1
+    crashes at the end of any preview, with Cycles too. The best of a few counts: its core has a low priority, and others may be
+    at work."""
     core = ROOT / "build" / "stokes"
     if not core.exists():
         pytest.skip("build/stokes is not built")
-    seconds, size, red, green, blue = run_in_window(
+    tries = run_in_window(
         """
 import time
 from addon import nodes
@@ -130,26 +138,46 @@ tree.nodes.clear()
 surface = nodes.new(tree, "fluorescent", dye="fluorescein_basic-ethanol")
 output = tree.nodes.new("ShaderNodeOutputMaterial")
 tree.links.new(surface.outputs[0], output.inputs["Surface"])
-start = time.time()
-material.asset_generate_preview()
+tries, state = [], {}
+
+def begin():
+    twin = material.copy()
+    state.update(start=time.time(), material=twin)
+    twin.asset_generate_preview()
+
+def middle(preview):  # mean of the ball's middle third
+    width, height = preview.image_size
+    values = list(preview.image_pixels_float)
+    rows = [values[4 * (y * width + width // 3) : 4 * (y * width + 2 * width // 3)]
+            for y in range(height // 3, 2 * height // 3)]
+    return [sum(sum(row[channel::4]) for row in rows) / sum(len(row) // 4 for row in rows) for channel in range(3)]
 
 def step():
-    preview = material.preview
-    if preview.image_size[0] == 0 or max(preview.image_pixels_float) == 0:
-        return 0.02 if time.time() - start < 60 else tell("no preview")
-    width, height = preview.image_size
-    middle = 4 * (height // 2 * width + width // 2)
-    tell([time.time() - start, width, *preview.image_pixels_float[middle : middle + 3]])
+    preview = state["material"].preview
+    is_drawn = preview is not None and preview.image_size[0] and max(preview.image_pixels_float)
+    if not is_drawn or bpy.app.is_job_running('RENDER_PREVIEW'):
+        if time.time() - state["start"] > 10:  # Blender drops the job of a preview that it no longer needs
+            tries.append([False])
+            begin()
+        return 0.02
+    seconds = time.time() - state["start"]
+    red, green, blue = middle(preview)
+    good = seconds < 2 and preview.image_size[0] >= 128 and green > red and green > 1.1 * blue
+    tries.append([good, seconds, preview.image_size[0], red, green, blue])
+    if not good and len(tries) < 6:
+        begin()
+        return 0.02
+    tell([tries])
     os._exit(0)
 
+begin()
 bpy.app.timers.register(step, first_interval=0.02)
 """,
         tmp_path,
         core=core,
-    )
-    print("%d pixels after %.2f s: %.2f %.2f %.2f" % (size, seconds, red, green, blue))
-    assert size >= 128 and green > red and green > 1.2 * blue
-    assert seconds < 6  # two on a machine of its own
+    )[0]
+    print(tries)
+    assert any(good for good, *_ in tries), tries
 
 
 def test_one_thread_stays_free_for_the_window(tmp_path):
@@ -173,13 +201,27 @@ def test_the_rendered_viewport_says_its_line_and_survives_changes(tmp_path):
         """
 scene = empty_scene()
 scene.render.engine = 'STOKES'
-drawn = []
+drawn, bright = [], []
+import gpu
 from addon.engine import viewport
-draw = viewport.draw
-def counted(*arguments):
-    draw(*arguments)
-    drawn.append(1)
-viewport.draw = counted
+draw, blf = viewport.draw, viewport.blf
+
+class Ink:  # Blender's fonts, and what they are asked for
+    def draw(self, font, text):
+        blf.draw(font, text)
+        drawn.append(text)
+    def __getattr__(self, name):
+        return getattr(blf, name)
+
+def drawn_and_seen(engine, context, depsgraph):
+    draw(engine, context, depsgraph)
+    width, height = context.region.width, 60
+    values = gpu.state.active_framebuffer_get().read_color(0, 0, width, height, 4, 0, 'FLOAT')
+    values.dimensions = 4 * width * height
+    values = list(values)
+    bright.append(sum(min(values[i : i + 3]) > 0.7 for i in range(0, len(values), 4)))
+
+viewport.blf, viewport.draw = Ink(), drawn_and_seen
 window = bpy.context.window_manager.windows[0]
 area = next(area for area in window.screen.areas if area.type == 'VIEW_3D')
 state = {"step": 0}
@@ -195,7 +237,7 @@ def step():
     elif state["step"] == 7:
         area.spaces.active.shading.type = 'RENDERED'
     elif state["step"] == 10:
-        tell(len(drawn))
+        tell([len(drawn), sorted(set(drawn)), min(bright)])
         os._exit(0)
     area.tag_redraw()
     return 0.2
@@ -204,4 +246,7 @@ bpy.app.timers.register(step, first_interval=0.5)
 """,
         tmp_path,
     )
-    assert told >= 2 and not (tmp_path / "log").exists()
+    times, lines, bright = told
+    assert times >= 2 and len(lines) == 1 and "later version" in lines[0]
+    assert bright > 200  # pixels of letters
+    assert not (tmp_path / "log").exists()

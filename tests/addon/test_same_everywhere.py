@@ -14,6 +14,8 @@ from array import array
 import numpy as np
 import pytest
 
+import blenders
+import hosts
 from addon.core import stream
 from hosts import NAMES, ROOT, host_named
 
@@ -222,3 +224,19 @@ def test_a_recorded_scene_is_the_blenders_own_picture(record, tmp_path):
     replayed = render(record(REFERENCE) / "scene.stokes", tmp_path / "a.exr")
     for channel in "RGBA":
         assert np.array_equal(shown.channels[channel], replayed.channels[channel])
+
+
+def test_a_blender_that_cannot_be_had_is_skipped_by_name(monkeypatch, tmp_path):
+    """5.1 and later need Python 3.13, which not every system has; the newest is then the one before."""
+    monkeypatch.setattr(blenders, "HOME", tmp_path)
+    monkeypatch.setattr(blenders, "_pythons", lambda version: [])
+    for name in ("_find", "blender"):  # not what they remember
+        monkeypatch.setattr(blenders, name, getattr(blenders, name).__wrapped__)
+    with pytest.raises(pytest.skip.Exception, match="Blender 5.2 is missing: there is no Python 3.13 to load it"):
+        host_named("5.2")
+    monkeypatch.setattr(hosts, "_command", lambda name: _missing(name) if name == "5.2" else [name])
+    assert hosts.newest().name == "5.0"
+
+
+def _missing(name):
+    raise blenders.Missing(name)

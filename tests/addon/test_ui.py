@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from hosts import INSIDE, ROOT, oldest_and_newest
+from hosts import INSIDE, ROOT, host_named, oldest_and_newest
 
 WINDOW = """
 import traceback
@@ -191,3 +191,69 @@ def test_every_tab_draws_in_a_window_and_adding_a_node_can_be_undone(tmp_path):
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     assert "Traceback" not in done.stdout and "Error" not in done.stdout, done.stdout
     assert '["undo", 1, 0]' in done.stdout and '"LIGHT AREA"' in done.stdout, done.stdout
+
+
+# Stands for a layout, and for all that a layout gives: notes what is shown in it.
+LAYOUT = """
+class Layout:
+    def __init__(self, shown=None):
+        object.__setattr__(self, "shown", [] if shown is None else shown)
+    def __getattr__(self, name):
+        def call(*arguments, **named):
+            self.shown.append([name, *(a if isinstance(a, str) else type(a).__name__ for a in arguments)])
+            return Layout(self.shown)
+        return call
+    def __setattr__(self, name, value):
+        if name in {"type", "kind"}:
+            self.shown.append([name, value])
+
+class Panel:
+    def __init__(self):
+        self.layout = Layout()
+"""
+
+
+@oldest_and_newest
+def test_every_setting_has_a_place_in_the_render_tab_and_a_tooltip(host, tmp_path):
+    missing, without, panels = host.run(LAYOUT + """
+from addon.ui import render
+scene = empty_scene()
+shown, panels = set(), 0
+for cls in render.CLASSES:
+    if not issubclass(cls, bpy.types.Panel) or cls.bl_context != "render":
+        continue
+    panel = Panel()
+    panels += 1
+    for draw in (getattr(cls, "draw_header", None), cls.draw):
+        draw and draw(panel, bpy.context)
+    shown |= {entry[2] for entry in panel.layout.shown if entry[0] == "prop" and entry[1] == "StokesSettings"}
+settings = [prop for prop in type(scene.stokes).bl_rna.properties
+            if prop.identifier not in {"rna_type", "name"} and not prop.is_hidden]
+tell([[prop.identifier for prop in settings if prop.identifier not in shown],
+      [prop.identifier for prop in settings if len(prop.description) < 10], panels])
+""", tmp_path)
+    assert panels >= 6 and missing == [] and without == []
+
+
+def test_the_add_menu_shows_what_blender_3_4_hides_from_other_engines(tmp_path):
+    offered = host_named("3.4").run(LAYOUT + """
+from addon.ui import node_editor
+scene = empty_scene()
+class Space:
+    type, tree_type, edit_tree = 'NODE_EDITOR', 'ShaderNodeTree', True
+class Context:
+    space_data, scene, engine = Space, bpy.context.scene, 'STOKES'
+menu = Panel()
+node_editor.draw_add_menu(menu, Context)
+shaders = Panel()
+node_editor.STOKES_MT_add_shader.draw(shaders, Context)
+ours = Panel()
+node_editor.STOKES_MT_add.draw(ours, Context)
+is_appended = node_editor.draw_add_menu in [f for f in bpy.types.NODE_MT_add.draw._draw_funcs]
+tell([is_appended, *([entry[1] for entry in panel.layout.shown if entry[0] == name]
+                     for panel, name in ((menu, "menu"), (shaders, "type"), (ours, "kind")))])
+""", tmp_path)
+    is_appended, menus, shaders, ours = offered
+    assert is_appended and menus == ["STOKES_MT_add", "STOKES_MT_add_shader"]
+    assert {"ShaderNodeBsdfPrincipled", "ShaderNodeBsdfDiffuse", "ShaderNodeMixShader", "ShaderNodeEmission"} <= set(shaders)
+    assert {"fluorescent", "dispersive_glass", "conductor", "spectrum_file"} <= set(ours)
