@@ -9,21 +9,28 @@ static bool is_grey(const double rgb[3])
     return fmax(fmax(rgb[0], rgb[1]), rgb[2]) - fmin(fmin(rgb[0], rgb[1]), rgb[2]) < 1e-7;
 }
 
-struct rgb_curve rgb_curve_fit(const struct working_space *space, const float rgb[3], bool *outside)
+struct fit fit_color(enum rgb_method method, const struct working_space *space, const float rgb[3],
+                     bool *outside)
 {
     double color[3];
     for (int c = 0; c < 3; c++)
         color[c] = isfinite(rgb[c]) ? fmin(fmax(rgb[c], -100), 100) : 0;
-    struct fit fit = fit_grey(color[1]);
+    struct fit fit = fit_grey(method, color[1]);
     bool reached = color[1] >= 0 && color[1] <= 1;
     if (!is_grey(color)) {
         struct fitter fitter;
-        fitter_set(&fitter, space, 1);
+        fitter_set(&fitter, method, space, 1);
         fit = fitter_solve(&fitter, color);
         reached = fit_reaches(&fit);
     }
     if (outside)
         *outside = !reached;
+    return fit;
+}
+
+struct rgb_curve rgb_curve_fit(const struct working_space *space, const float rgb[3], bool *outside)
+{
+    struct fit fit = fit_color(RGB_SIGMOID, space, rgb, outside);
     return fit_curve(&fit);
 }
 

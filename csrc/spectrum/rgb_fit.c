@@ -1,4 +1,4 @@
-/* Fits Jakob & Hanika's curve to a colour: Levenberg's damping of Gauss-Newton steps in CIELAB under the working
+/* Fits a curve of three coefficients to a colour: Levenberg's damping of Gauss-Newton steps in CIELAB under the working
    space's white, with a ridge where a colour is out of reach. */
 #include <math.h>
 #include <string.h>
@@ -16,8 +16,9 @@ struct linearized {
     double error, cost; /* ΔE*ab; its square with the ridge's penalty */
 };
 
-void fitter_set(struct fitter *f, const struct working_space *space, int step_nm)
+void fitter_set(struct fitter *f, enum rgb_method method, const struct working_space *space, int step_nm)
 {
+    f->method = method;
     observer_set(&f->observer, space, step_nm);
     memcpy(f->rgb_to_xyz, space->rgb_to_xyz, sizeof f->rgb_to_xyz);
 }
@@ -48,14 +49,33 @@ static void lab_of(const struct fitter *f, const double xyz[3], double lab[3], d
     lab[2] = 200 * (root[1] - root[2]);
 }
 
-/* XYZ of the curve and its derivatives by the coefficients. dS/dx = 1/(2 (1 + x²)^(3/2)). */
-static void curve_xyz(const struct observer *o, const double p[3], double xyz[3], double by[3][3])
+/* The variable of the quadratic at t in −1 … 1 over the observer's range. */
+static double variable(enum rgb_method method, double t)
 {
+    return method == RGB_MOMENTS ? sin(M_PI / 2 * t) : t;
+}
+
+/* The sigmoid and its derivative. */
+static double sigmoid(enum rgb_method method, double x, double *slope)
+{
+    double s = 1 / sqrt(1 + x * x);
+    if (method == RGB_MOMENTS) {
+        *slope = s * s / M_PI;
+        return 0.5 + atan(x) / M_PI;
+    }
+    *slope = 0.5 * s * s * s;
+    return 0.5 + 0.5 * x * s;
+}
+
+/* XYZ of the curve and its derivatives by the coefficients. */
+static void curve_xyz(const struct fitter *f, const double p[3], double xyz[3], double by[3][3])
+{
+    const struct observer *o = &f->observer;
     memset(xyz, 0, 3 * sizeof *xyz);
     memset(by, 0, 9 * sizeof **by);
     for (int i = 0; i < o->count; i++) {
-        double t = 2.0 * i / (o->count - 1) - 1, x = (p[0] * t + p[1]) * t + p[2];
-        double s = 1 / sqrt(1 + x * x), value = 0.5 + 0.5 * x * s, slope = 0.5 * s * s * s;
+        double t = variable(f->method, 2.0 * i / (o->count - 1) - 1), x = (p[0] * t + p[1]) * t + p[2];
+        double slope, value = sigmoid(f->method, x, &slope);
         for (int c = 0; c < 3; c++) {
             double w = o->weight[i][c], d = w * slope;
             xyz[c] += w * value;
@@ -71,7 +91,7 @@ static struct linearized linearize(const struct fitter *f, const double p[3], co
 {
     struct linearized at;
     double xyz[3], by[3][3], lab[3], slope[3];
-    curve_xyz(&f->observer, p, xyz, by);
+    curve_xyz(f, p, xyz, by);
     lab_of(f, xyz, lab, slope);
     at.cost = 0;
     for (int i = 0; i < 3; i++) {
@@ -148,9 +168,10 @@ static void target_lab(const struct fitter *f, const double rgb[3], double lab[3
     lab_of(f, xyz, lab, slope);
 }
 
-static double steepness(const double p[3])
+/* In the measure of FIT_STEEPEST. */
+static double steepness(const struct fit *fit)
 {
-    return fmax(fabs(p[0]), fabs(p[1]));
+    return fmax(fabs(fit->p[0]), fabs(fit->p[1])) / (fit->method == RGB_MOMENTS ? FIT_ATAN : 1);
 }
 
 struct fit fitter_improve(const struct fitter *f, const double rgb[3], struct fit start, double ridge,
@@ -160,7 +181,7 @@ struct fit fitter_improve(const struct fitter *f, const double rgb[3], struct fi
     target_lab(f, rgb, target);
     struct linearized at = linearize(f, start.p, target, ridge);
     for (int i = 0, slow = 0; i < iterations && slow < 2 && damping < 1e8; i++) {
-        if (at.error < FIT_SOLVED || steepness(start.p) > 2 * FIT_STEEPEST)
+        if (at.error < FIT_SOLVED || steepness(&start) > 2 * FIT_STEEPEST)
             break;
         double next[3];
         struct linearized there = {.cost = INFINITY};
@@ -179,16 +200,20 @@ struct fit fitter_improve(const struct fitter *f, const double rgb[3], struct fi
     return start;
 }
 
-struct fit fit_grey(double value)
+struct fit fit_grey(enum rgb_method method, double value)
 {
     const double least = 1e-12; /* x = ±5e5: in floats exactly 0 and 1 */
-    double v = fmin(fmax(value, least), 1 - least);
-    return (struct fit){.p = {0, 0, (v - 0.5) / sqrt(v * (1 - v))}};
+    double v = fmin(fmax(value, least), 1 - least), x = 0;
+    switch (method) {
+    case RGB_SIGMOID: x = (v - 0.5) / sqrt(v * (1 - v)); break;
+    case RGB_MOMENTS: x = tan(M_PI * (v - 0.5)); break;
+    }
+    return (struct fit){.method = method, .p = {0, 0, x}};
 }
 
 bool fit_reaches(const struct fit *fit)
 {
-    return fit->error < FIT_REACHED && steepness(fit->p) <= FIT_STEEPEST;
+    return fit->error < FIT_REACHED && steepness(fit) <= FIT_STEEPEST;
 }
 
 /* The grey to start from, away from black and white, where nothing changes any more. */
@@ -197,7 +222,7 @@ static struct fit start_grey(const struct fitter *f, const double rgb[3])
     double y = 0;
     for (int c = 0; c < 3; c++)
         y += f->rgb_to_xyz[3 + c] * rgb[c];
-    return fit_grey(fmin(fmax(y, 1e-3), 0.999));
+    return fit_grey(f->method, fmin(fmax(y, 1e-3), 0.999));
 }
 
 /* Out of reach of smooth curves: a strong ridge first finds the valley, weaker ones follow it towards the optimal
@@ -209,7 +234,7 @@ static struct fit descend(const struct fitter *f, const double rgb[3], struct fi
         fit = fitter_improve(f, rgb, fit, ridge, 50);
         if (fit_reaches(&fit))
             return fit;
-        if (steepness(fit.p) >= FIT_SMOOTH && ridge < first_ridge)
+        if (steepness(&fit) >= FIT_SMOOTH && ridge < first_ridge)
             break;
         smooth = fit;
     }
@@ -218,12 +243,13 @@ static struct fit descend(const struct fitter *f, const double rgb[3], struct fi
 
 /* A curve that is positive between two nodes, or everywhere else: an optimal colour's band or gap with soft edges. A
    band that reaches the end of the observer's range has no edge there. */
-static struct fit soft_band(const struct observer *o, int from, int to, bool gap)
+static struct fit soft_band(const struct fitter *f, int from, int to, bool gap)
 {
-    double scale = gap ? -START_STEEPNESS : START_STEEPNESS;
-    double t0 = from == 0 ? -3 : 2.0 * from / (o->count - 1) - 1,
-           t1 = to == o->count - 1 ? 3 : 2.0 * to / (o->count - 1) - 1;
-    return (struct fit){.p = {-scale, scale * (t0 + t1), -scale * t0 * t1}};
+    const struct observer *o = &f->observer;
+    double scale = (gap ? -START_STEEPNESS : START_STEEPNESS) * (f->method == RGB_MOMENTS ? FIT_ATAN : 1);
+    double t0 = from == 0 ? -3 : variable(f->method, 2.0 * from / (o->count - 1) - 1),
+           t1 = to == o->count - 1 ? 3 : variable(f->method, 2.0 * to / (o->count - 1) - 1);
+    return (struct fit){.method = f->method, .p = {-scale, scale * (t0 + t1), -scale * t0 * t1}};
 }
 
 static double squared_distance(const struct fitter *f, const double xyz[3], const double lab[3])
@@ -252,7 +278,7 @@ static struct fit nearest_band(const struct fitter *f, const double rgb[3])
                 double left[3] = {o->white[0] - band[0], o->white[1] - band[1], o->white[2] - band[2]};
                 double square = squared_distance(f, gap ? left : band, target);
                 if (square < least)
-                    best = soft_band(o, from, to, gap);
+                    best = soft_band(f, from, to, gap);
                 least = fmin(least, square);
             }
         }

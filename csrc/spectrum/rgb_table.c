@@ -57,7 +57,7 @@ static struct fit climb(const struct fitter *fitter, const double rgb[3], double
     if (*reach) {
         struct fit fit = fitter_improve(fitter, rgb, below, 0, 30);
         if (!fit_reaches(&fit))
-            fit = fitter_improve(fitter, rgb, fit_grey(0.3 * value), 0, 40);
+            fit = fitter_improve(fitter, rgb, fit_grey(RGB_SIGMOID, 0.3 * value), 0, 40);
         *reach = fit_reaches(&fit);
         if (*reach)
             return fit;
@@ -70,13 +70,13 @@ static void build_column(struct build *build, int largest, int i, int j)
     struct rgb_table *table = build->table;
     float(*column)[3] = table->g[largest][i][j];
     bool reach = true, grey = i == NODES - 1 && j == NODES - 1;
-    struct fit fit = fit_grey(0.3 * table->value_node[1]);
+    struct fit fit = fit_grey(RGB_SIGMOID, 0.3 * table->value_node[1]);
     for (int k = 1; k < NODES; k++) {
         double rgb[3], value = table->value_node[k];
         rgb[largest] = value;
         rgb[(largest + 1) % 3] = value * table->ratio_node[i];
         rgb[(largest + 2) % 3] = value * table->ratio_node[j];
-        fit = grey ? fit_grey(fmin(value, WHITEST)) : climb(&build->fitter, rgb, value, fit, &reach);
+        fit = grey ? fit_grey(RGB_SIGMOID, fmin(value, WHITEST)) : climb(&build->fitter, rgb, value, fit, &reach);
         set_node(column[k], &fit, value);
     }
     for (int a = 0; a < 3; a++) /* the limit towards black */
@@ -96,7 +96,7 @@ struct rgb_table *rgb_table_create(const struct working_space *space, int thread
     struct rgb_table *table = build ? malloc(sizeof *table) : NULL;
     if (table) {
         set_nodes(table);
-        fitter_set(&build->fitter, space, FIT_STEP_NM);
+        fitter_set(&build->fitter, RGB_SIGMOID, space, FIT_STEP_NM);
         build->table = table;
         thread_run(threads, 3 * NODES, build_slab, NULL, build);
     }
@@ -127,7 +127,7 @@ static float unit(float value)
 
 static struct rgb_curve grey_curve(float value)
 {
-    struct fit fit = fit_grey(value);
+    struct fit fit = fit_grey(RGB_SIGMOID, value);
     return fit_curve(&fit);
 }
 

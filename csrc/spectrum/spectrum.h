@@ -86,6 +86,9 @@ float spectral_histogram_pdf(const struct spectral_histogram *, float lambda_nm)
 struct rgb_curve {
     float c[3];
 };
+/* How a colour becomes a reflectance: by Jakob & Hanika's sigmoid of a quadratic, or as the bounded signal of three trigonometric moments
+   (Peters et al. 2019, moments.h). */
+enum rgb_method { RGB_SIGMOID, RGB_MOMENTS };
 /* What an RGB reflectance does below 360 nm. */
 enum uv_rule { UV_HOLD, UV_EXTRAPOLATE, UV_ZERO };
 

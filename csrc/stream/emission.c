@@ -74,7 +74,7 @@ static struct spectrum *read_rgb_emission(const struct place *place, double scal
     for (int i = 0; i < 3; i++)
         rgb[i] /= most;
     const struct spectrum *white = session_white(place);
-    struct spectrum *color = white ? rgb_spectrum(place->message, rgb) : NULL;
+    struct spectrum *color = white ? rgb_spectrum(place->message, RGB_SIGMOID, rgb) : NULL;
     struct spectrum *shape = color ? spectrum_product(color, white) : NULL;
     struct spectrum *emission = shape ? spectrum_scaled(shape, (float)(most * scale)) : NULL;
     if (white && !emission)

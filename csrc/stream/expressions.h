@@ -25,7 +25,7 @@ stokes_matrix *read_matrix(const struct place *);
 struct closure *read_closure(const struct place *, int depth);
 
 /* An RGB colour that is counted when no reflectance reaches it. */
-struct spectrum *rgb_spectrum(struct message *, const float rgb[3]);
+struct spectrum *rgb_spectrum(struct message *, enum rgb_method, const float rgb[3]);
 struct range message_range(const struct message *);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "spectrum/moments.h"
 #include "stream/expressions.h"
 
 #define LAMBDA_MAX_NM 1e6
@@ -16,12 +17,12 @@ struct range message_range(const struct message *message)
     return (struct range){s->lambda_min, s->lambda_max};
 }
 
-struct spectrum *rgb_spectrum(struct message *message, const float rgb[3])
+struct spectrum *rgb_spectrum(struct message *message, enum rgb_method method, const float rgb[3])
 {
     const stokes_session *session = message->session;
     bool outside = false;
-    struct spectrum *spectrum = spectrum_rgb(message_range(message), &session->color.working_space, rgb,
-                                             session->settings.uv_rule, &outside);
+    struct spectrum *spectrum = (method == RGB_MOMENTS ? spectrum_rgb_moments : spectrum_rgb)(
+        message_range(message), &session->color.working_space, rgb, session->settings.uv_rule, &outside);
     message->colors_outside += outside;
     return spectrum;
 }
@@ -46,13 +47,55 @@ static struct spectrum *read_constant(const struct place *place)
     return or_fail(place, spectrum_constant(message_range(place->message), (float)value), &why);
 }
 
-static struct spectrum *read_rgb(const struct place *place)
+static struct spectrum *read_rgb(const struct place *whole)
 {
+    static const char *const methods[] = {[RGB_SIGMOID] = "sigmoid", [RGB_MOMENTS] = "moments", NULL};
+    struct place place = place_member(whole, "rgb"), method = place_member(whole, "method");
     float rgb[3];
+    int chosen = RGB_SIGMOID;
     stokes_error why = {0};
-    if (!read_floats(place, rgb, 3))
+    if (!read_floats(&place, rgb, 3) || (method.value && !read_choice(&method, methods, &chosen)))
         return NULL;
-    return or_fail(place, rgb_spectrum(place->message, rgb), &why);
+    return or_fail(&place, rgb_spectrum(place.message, (enum rgb_method)chosen, rgb), &why);
+}
+
+/* The moments themselves, or those of another spectrum: what k numbers keep of it. */
+static struct spectrum *read_moments(const struct place *place, enum beyond beyond, int depth)
+{
+    static const struct field fields[] = {{"min", FIELD_FLOAT, false, 0, 0, 1, LAMBDA_MAX_NM},
+                                          {"max", FIELD_FLOAT, false, sizeof(float), 0, 1, LAMBDA_MAX_NM}};
+    struct place given = place_member(place, "c"), of = place_member(place, "of"),
+                 number = place_member(place, "count");
+    float bounds[2] = {CMF_MIN_NM, CMF_MAX_NM}, c[MOMENTS_MAX];
+    double moments[MOMENTS_MAX], count = 0;
+    stokes_error why = {0};
+    if (!place_is(place, JSON_OBJECT) || !read_fields(place, fields, 2, bounds))
+        return NULL;
+    if (of.value) {
+        if (!read_whole(&number, 1, MOMENTS_MAX, &count))
+            return NULL;
+        struct spectrum *inner = read_spectrum(&of, beyond, depth - 1);
+        if (!inner)
+            return NULL;
+        /* Beyond Λ nothing is known of it. */
+        bounds[0] = fmaxf(bounds[0], spectrum_range(inner).min);
+        bounds[1] = fmaxf(fminf(bounds[1], spectrum_range(inner).max), bounds[0] + 1);
+        moments_of_spectrum(inner, bounds[0], bounds[1], moments, (int)count);
+        spectrum_destroy(inner);
+    } else {
+        count = json_is_array(given.value) ? (double)json_array_size(given.value) : 1;
+        if (count > MOMENTS_MAX || !read_floats(&given, c, (size_t)count)) {
+            if (count > MOMENTS_MAX)
+                place_fail(&given, "has %.0f numbers; at most %d are taken", count, MOMENTS_MAX);
+            return NULL;
+        }
+        for (int i = 0; i < (int)count; i++)
+            moments[i] = c[i];
+    }
+    return or_fail(place,
+                   spectrum_moments(message_range(place->message), moments, (int)count, bounds[0], bounds[1],
+                                    "moments", &why),
+                   &why);
 }
 
 /* Numbers in JSON, or a blob of f32; *owned is to be freed. */
@@ -201,6 +244,7 @@ enum form {
     FORM_GAUSSIAN,
     FORM_LINE,
     FORM_LIBRARY,
+    FORM_MOMENTS,
     FORM_SCALE,
     FORM_SUM,
     FORM_PRODUCT,
@@ -216,6 +260,7 @@ static const char *const form_members[FORM_COUNT] = {
     [FORM_GAUSSIAN] = "gaussian",
     [FORM_LINE] = "line",
     [FORM_LIBRARY] = "library",
+    [FORM_MOMENTS] = "moments",
     [FORM_SCALE] = "scale",
     [FORM_SUM] = "sum",
     [FORM_PRODUCT] = "product",
@@ -242,7 +287,8 @@ struct spectrum *read_spectrum(const struct place *place, enum beyond beyond, in
     enum form form = form_of(place);
     struct place inner = place_member(place, form < FORM_COUNT ? form_members[form] : "");
     switch (form) {
-    case FORM_RGB: return read_rgb(&inner);
+    case FORM_RGB: return read_rgb(place);
+    case FORM_MOMENTS: return read_moments(&inner, beyond, depth);
     case FORM_TABLE: return read_table(&inner, beyond);
     case FORM_BLACKBODY: return read_kelvin(&inner, spectrum_blackbody);
     case FORM_ILLUMINANT: return read_named(&inner, spectrum_illuminant);

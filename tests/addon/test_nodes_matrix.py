@@ -104,3 +104,26 @@ values = list(image.pixels)
 tell(sum(values) / len(values))
 """, tmp_path, env=REAL)
     assert found > 0.3
+
+
+def test_a_colour_becomes_moments_if_asked_and_stays_a_colour_as_a_light(host, tmp_path):
+    found = host.run("""
+from addon import nodes
+from addon.export.nodes import stokes
+from addon.export.nodes.graph import Graph
+material = bpy.data.materials.new("M"); material.use_nodes = True
+tree = material.node_tree
+made = nodes.new(tree, "spectrum_rgb", sockets={"Color": (0.5, 0.25, 0.125)}, method='moments')
+class Context:
+    def __getattr__(self, name):
+        return lambda *a, **k: None
+graph = Graph(material, Context())
+value = stokes.rgb(made, made.outputs[0], graph)
+told = [value.spectrum, graph.light(value, 2.0, made)]
+made.stokes.spectrum_rgb.method = 'sigmoid'
+told.append(list(stokes.rgb(made, made.outputs[0], graph).value))
+tell(told)
+""", tmp_path)
+    assert found[0] == {"rgb": [0.5, 0.25, 0.125], "method": "moments"}
+    assert found[1] == {"rgb": [0.5, 0.25, 0.125], "scale": 2.0}
+    assert found[2][:3] == [0.5, 0.25, 0.125]

@@ -331,7 +331,7 @@ static void the_table_of_a_wide_space_keeps_what_is_in_reach(void **state)
     struct working_space space;
     set_observer(&o);
     assert_true(working_space_set(&space, rec2020, NULL));
-    fitter_set(&fitter, &space, 5);
+    fitter_set(&fitter, RGB_SIGMOID, &space, 5);
     struct rgb_table *table = rgb_table_create(&space, 2);
     double sum = 0;
     int reached = 0, off = 0;

@@ -308,6 +308,40 @@ static void a_metal_stands_for_eta_and_k(void **state)
     end_reading(&reading);
 }
 
+static void moments_stand_for_a_spectrum(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *json, *why; /* NULL: good */
+        double at_550;
+    } cases[] = {
+        {"{\"moments\": {\"c\": [0.5]}}", NULL, 0.5},
+        {"{\"moments\": {\"c\": [0.3], \"min\": 400, \"max\": 700}}", NULL, 0.3},
+        {"{\"moments\": {\"of\": 0.7, \"count\": 5}}", NULL, 0.7},
+        {"{\"moments\": {\"of\": {\"library\": \"colorchecker/cyan\"}, \"count\": 64}}", NULL, 0.18},
+        {"{\"rgb\": [0.4, 0.4, 0.4], \"method\": \"moments\"}", NULL, 0.4},
+        {"{\"rgb\": [0.4, 0.4, 0.4], \"method\": \"other\"}", "other", 0},
+        {"{\"moments\": {\"c\": [2]}}", "none beyond 1", 0},
+        {"{\"moments\": {\"c\": [0.1, 0.4]}}", "belong to no reflectance", 0},
+        {"{\"moments\": {\"c\": []}}", "are 0", 0},
+        {"{\"moments\": {\"c\": 3}}", "", 0},
+        {"{\"moments\": {\"c\": [0.5], \"min\": 700, \"max\": 400}}", "lie over", 0},
+        {"{\"moments\": {\"of\": 0.5, \"count\": 65}}", "is not within", 0},
+        {"{\"moments\": {\"of\": 0.5, \"count\": 2, \"min\": 900, \"max\": 1000}}", NULL, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct reading reading = {0};
+        struct place place = start_reading(&reading, cases[i].json);
+        struct spectrum *s = read_spectrum(&place, BEYOND_HOLD, EXPRESSION_DEPTH);
+        assert_true((s != NULL) == (cases[i].why == NULL));
+        assert_true(!cases[i].why || strstr(reading.err.text, cases[i].why));
+        if (s)
+            assert_float_equal(spectrum_eval(s, 550), cases[i].at_550, 0.02);
+        spectrum_destroy(s);
+        end_reading(&reading);
+    }
+}
+
 static void a_matrix_has_bands_on_one_grid_and_a_share_for_each_pair(void **state)
 {
     (void)state;
@@ -749,6 +783,7 @@ int main(void)
         cmocka_unit_test(emissions_add),
         cmocka_unit_test(every_bsdf_of_the_page_is_read_with_its_defaults),
         cmocka_unit_test(a_metal_stands_for_eta_and_k),
+        cmocka_unit_test(moments_stand_for_a_spectrum),
         cmocka_unit_test(a_matrix_has_bands_on_one_grid_and_a_share_for_each_pair),
         cmocka_unit_test(a_fault_is_named_by_its_path),
         cmocka_unit_test(a_product_of_values_is_a_chain_of_pairs),

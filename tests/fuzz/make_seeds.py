@@ -31,6 +31,8 @@ SPECTRA = {
     "gaussian": {"gaussian": {"mean": 500, "sigma": 20, "peak": 0.5}},
     "line": {"line": {"center": 546, "width": 2}},
     "library": {"library": "colorchecker/cyan"},
+    "moments": {"moments": {"c": [0.4, 0.1, -0.05], "min": 380, "max": 780}},
+    "moments_of": {"moments": {"of": {"rgb": [0.2, 0.3, 0.4], "method": "moments"}, "count": 5}},
     "scale": {"scale": 0.5, "of": 0.3},
     "sum": {"sum": [0.1, 0.2, {"rgb": [0, 0, 1]}]},
     "product": {"product": [0.5, {"rgb": [1, 0, 0]}]},

@@ -302,6 +302,9 @@ class Graph:
 
     def light(self, color, strength, node):
         """L of a colour value and a number."""
+        if isinstance(color, Spectral) and isinstance(color.spectrum, dict):
+            if "rgb" in color.spectrum:  # how a colour reflects says nothing of how it shines
+                color = Constant(tuple(color.spectrum["rgb"]))
         if isinstance(color, Spectral):
             values = on_grid(color.spectrum)
             if values and max(values) < 1e-12:

@@ -5,7 +5,7 @@ from ...nodes import fluorescent as fluorescent_node
 from ...nodes import library, reradiation_matrix, spectrum_file, spectrum_library
 from .registry import evaluates, translates
 from .textures import normal
-from .values import Spectral
+from .values import Constant, Spectral, as_rgb
 
 
 def table(wavelengths, values):
@@ -172,4 +172,10 @@ def constant(node, output, graph):
 
 @evaluates("stokes.spectrum_rgb")
 def rgb(node, output, graph):
-    return graph.value(nodes.input_of(node, "Color"))
+    value = graph.value(nodes.input_of(node, "Color"))
+    if nodes.settings_of(node).method != 'moments':
+        return value
+    if not isinstance(value, Constant):
+        graph.warn(node, "moments are for one colour; the sigmoid is used")
+        return value
+    return Spectral({"rgb": list(as_rgb(value.value)), "method": "moments"}, 'total')
