@@ -27,9 +27,10 @@ def spectrum_of(picture, rows):
 
 # What the note looks like under daylight, and what it glows in under a black light.
 CASES = {
-    ("pt", "d65"): (500, (10, 400, 700), (4, 64)),
-    ("pt", "uv"): (3500, (3, 460, 580), (4, 64)),
-    ("mbdpt", "uv"): (20, (3, 460, 580), (48, 1)),
+    ("pt", "d65"): (250, (10, 400, 700), (4, 64)),
+    ("pt", "uv"): (700, (3, 460, 580), (4, 64)),
+    ("mbdpt", "uv"): (10, (2, 500, 580), (48, 1)),
+    ("bdpt", "uv"): (10, (2, 500, 580), (48, 1)),
 }
 
 
