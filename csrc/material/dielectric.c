@@ -296,7 +296,9 @@ static bool compile(struct compiler *compiler, const struct closure *closure)
         ior.term[0] = 1.5; /* left out */
     if (!compiler_check_ior(compiler, &ior) || !compiler_check_model(compiler, closure->number[0]))
         return false;
-    struct dielectric *d = dielectric_create(compiler, ior, closure, closure->option[1] ? 0 : -1);
+    /* What one branch alone loses between facets is not what both do; Cycles has no such compensation either. */
+    bool compensated = closure->option[1] && closure->option[0] == BRANCHES_BOTH;
+    struct dielectric *d = dielectric_create(compiler, ior, closure, compensated ? 0 : -1);
     return d && compiler_add(compiler, closure, shade, d, dielectric_destroy);
 }
 
