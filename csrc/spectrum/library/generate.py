@@ -165,8 +165,9 @@ def daylight_components():
 
 def write_cie():
     cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
-    rows_of_cmf = (
-        "{" + ", ".join(number(v) for v in cmfs[float(nm)]) + "}" for nm in range(360, 831)
+    rows_of_cmf = (  # z̄ ends in rounding errors of ±1e-21
+        "{" + ", ".join(number(max(0.0, round(v, 15))) for v in cmfs[float(nm)]) + "}"
+        for nm in range(360, 831)
     )
     d65 = samples(colour.SDS_ILLUMINANTS["D65"])[2]
     beyond = [s0 + D65_M[0] * s1 + D65_M[1] * s2 for s0, s1, s2 in zip(*daylight_components())][
