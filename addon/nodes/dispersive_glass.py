@@ -50,6 +50,42 @@ PRESETS = (
 )
 
 
+def _cauchy(name, default, low, high, precision):
+    return FloatProperty(
+        name=name,
+        description="%s of n = A + B/λ² + C/λ⁴, λ in µm" % name[0],
+        default=default,
+        min=low,
+        max=high,
+        precision=precision,
+        update=on_change,
+    )
+
+
+def _strength(number, default):
+    return FloatProperty(
+        name="B%d" % number,
+        description="Strength of the glass' resonance %d: n² = 1 + Σ B λ²/(λ² − C)" % number,
+        default=default,
+        min=0.0,
+        max=10.0,
+        precision=6,
+        update=on_change,
+    )
+
+
+def _resonance(number, default):
+    return FloatProperty(
+        name="C%d (µm²)" % number,
+        description="Square of the wavelength of the glass' resonance %d" % number,
+        default=default,
+        min=0.0,
+        max=1e4,
+        precision=6,
+        update=on_change,
+    )
+
+
 class StokesDispersiveGlassSettings(bpy.types.PropertyGroup):
     model: EnumProperty(
         name="Dispersion",
@@ -68,33 +104,15 @@ class StokesDispersiveGlassSettings(bpy.types.PropertyGroup):
         default="BK7",
         update=on_change,
     )
-    cauchy_a: FloatProperty(
-        name="A", default=1.5046, min=1.0, max=5.0, precision=5, update=on_change
-    )
-    cauchy_b: FloatProperty(
-        name="B (µm²)", default=0.0042, min=-1.0, max=1.0, precision=5, update=on_change
-    )
-    cauchy_c: FloatProperty(
-        name="C (µm⁴)", default=0.0, min=-1.0, max=1.0, precision=6, update=on_change
-    )
-    b1: FloatProperty(
-        name="B1", default=1.03961212, min=0.0, max=10.0, precision=6, update=on_change
-    )
-    c1: FloatProperty(
-        name="C1 (µm²)", default=0.00600069867, min=0.0, max=1e4, precision=6, update=on_change
-    )
-    b2: FloatProperty(
-        name="B2", default=0.231792344, min=0.0, max=10.0, precision=6, update=on_change
-    )
-    c2: FloatProperty(
-        name="C2 (µm²)", default=0.0200179144, min=0.0, max=1e4, precision=6, update=on_change
-    )
-    b3: FloatProperty(
-        name="B3", default=1.01046945, min=0.0, max=10.0, precision=6, update=on_change
-    )
-    c3: FloatProperty(
-        name="C3 (µm²)", default=103.560653, min=0.0, max=1e4, precision=6, update=on_change
-    )
+    cauchy_a: _cauchy("A", 1.5046, 1.0, 5.0, 5)
+    cauchy_b: _cauchy("B (µm²)", 0.0042, -1.0, 1.0, 5)
+    cauchy_c: _cauchy("C (µm⁴)", 0.0, -1.0, 1.0, 6)
+    b1: _strength(1, 1.03961212)
+    c1: _resonance(1, 0.00600069867)
+    b2: _strength(2, 0.231792344)
+    c2: _resonance(2, 0.0200179144)
+    b3: _strength(3, 1.01046945)
+    c3: _resonance(3, 103.560653)
 
 
 class DispersiveGlass(NodeKind):

@@ -226,6 +226,36 @@ except RuntimeError as error:
 
 
 @oldest_and_newest
+@pytest.mark.parametrize("when", ["at once", "while the core is busy"])
+def test_esc_before_the_render_ends_it_without_an_error(host, tmp_path, when):
+    """While the scene is sent: at the first look, or while a core that is deep in thought lets the pipe fill up."""
+    told = host.run(
+        """
+import time
+from addon.core import shared
+from addon.engine import final
+shared.available = lambda: False  # all of it through the pipe, which is soon full
+scene = empty_scene()
+bpy.ops.mesh.primitive_grid_add(x_subdivisions=100, y_subdivisions=100)
+for number in range(4):
+    add("Copy%d" % number, bpy.context.object.data.copy(), (number, 0, 0))
+start = time.time()
+class Pressed:  # Blender's own test_break() cannot be replaced
+    def test_break(self):
+        return time.time() > start + LATER
+check = final._check
+final._check = lambda engine: check(Pressed())
+bpy.ops.render.render()
+children = open("/proc/self/task/%d/children" % os.getpid()).read().split()
+tell([time.time() - start, children])
+""".replace("LATER", "0" if when == "at once" else "1"),
+        tmp_path,
+        env={"FAKE_CORE": "" if when == "at once" else "hang-at=mesh"},
+    )
+    assert told[0] < 20 and told[1] == []
+
+
+@oldest_and_newest
 def test_strict_makes_a_warning_an_error(host, tmp_path):
     told = host.run(
         """

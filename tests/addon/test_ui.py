@@ -214,7 +214,7 @@ class Panel:
 
 
 @oldest_and_newest
-def test_every_setting_has_a_place_in_the_render_tab_and_a_tooltip(host, tmp_path):
+def test_every_setting_has_a_place_in_the_render_tab_and_all_have_tooltips(host, tmp_path):
     missing, without, panels = host.run(LAYOUT + """
 from addon.ui import render
 scene = empty_scene()
@@ -229,8 +229,14 @@ for cls in render.CLASSES:
     shown |= {entry[2] for entry in panel.layout.shown if entry[0] == "prop" and entry[1] == "StokesSettings"}
 settings = [prop for prop in type(scene.stokes).bl_rna.properties
             if prop.identifier not in {"rna_type", "name"} and not prop.is_hidden]
+from addon import nodes
+tips = {"%s.%s" % (kind.name, prop.identifier): prop.description
+        for kind in nodes.KINDS.values() if kind.Settings for prop in kind.Settings.bl_rna.properties
+        if prop.identifier not in {"rna_type", "name"} and not prop.is_hidden and not prop.is_readonly}
+tips.update((prop.identifier, prop.description) for prop in settings)
+tips.update((kind.name, kind.tooltip) for kind in nodes.KINDS.values())
 tell([[prop.identifier for prop in settings if prop.identifier not in shown],
-      [prop.identifier for prop in settings if len(prop.description) < 10], panels])
+      [name for name, tip in tips.items() if len(tip) < 10], panels])
 """, tmp_path)
     assert panels >= 6 and missing == [] and without == []
 
