@@ -51,8 +51,7 @@ def room(out):
 
 
 def eye(out, resolution):
-    """Level from the front. The lamps are above what it sees: a lamp in the picture, hundreds of times as bright as the
-    walls, would be all that an error measures."""
+    """Level from the front; the lamps are above what it sees."""
     scenes.camera(out, [1, 0, 0, 0, 0, 0, -1, -0.95, 0, 1, 0, 0], resolution, 0.68)
 
 

@@ -13,7 +13,7 @@ SIZE = ((28, 21), 192, 2, 16) if kit.QUICK else ((64, 48), 1024, 3, 128)  # as i
 
 def draw():
     found = benchmark.methods([1], KERNELS)
-    done, lines = {}, ["# Integrators at equal time", *benchmark.HEAD.split("\n")[1:-2], ""]
+    done, lines = {}, ["# Integrators at equal time", *(benchmark.HEAD % "").split("\n")[1:]]
     for name in SCENES:
         done[name] = benchmark.measure_scene(name, found, SIZE, plots.WORK, lambda text: None)
         lines += benchmark.table(name, *done[name])
