@@ -39,21 +39,26 @@ def error_over_time(done, size, path):
             panel.grid(True, which="major", alpha=0.3)
     handles, labels = axes[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncol=7, fontsize=9, frameon=False)
-    figure.tight_layout(rect=(0, 0.05 + 0.02 * (len(labels) // 7), 1, 1))
+    figure.tight_layout(rect=(0, 0.03 + 0.025 * -(-len(labels) // 7), 1, 1))
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
 
+def is_shown(method):
+    """Without bundles all of them; with bundles `bdpt` with four wavelengths stands for all."""
+    return (method.lanes or 1) == 1 or (method.integrator == "bdpt" and method.lanes == 4)
+
+
 def side_by_side(done, path):
     """A row for each scene: the reference, then each integrator with the samples that the same time allows."""
-    columns = 1 + max(len(results) for _, results in done.values())
+    columns = 1 + max(sum(is_shown(r.method) for r in results) for _, results in done.values())
     figure, axes = plt.subplots(len(done), columns, figsize=(2.3 * columns, 2.05 * len(done)), squeeze=False)
     for axis in axes.flat:
         axis.set_axis_off()
     for row, (name, (reference, results)) in enumerate(done.items()):
         gain = colour.exposure(reference.picture, 95)
         shown = [("reference\n%s" % bench_scenes.TITLES[name], reference.picture)]
-        shown += [("%s\n%d spp" % (r.method.label(), r.spp), r.picture) for r in results]
+        shown += [("%s\n%d spp" % (r.method.label(), r.spp), r.picture) for r in results if is_shown(r.method)]
         for axis, (title, picture) in zip(axes[row], shown):
             axis.imshow(colour.srgb(picture, gain), interpolation="nearest")
             axis.set_title(title, fontsize=8)
