@@ -3,6 +3,7 @@
 #define CLI_CLI_H
 
 #include <stdbool.h>
+#include <stdio.h>
 
 #include "stokes.h"
 
@@ -20,6 +21,10 @@ int cli_serve(int argc, char **argv);
 int cli_fail(const stokes_error *);
 /* Prints `stokes: COMMAND: text`, points to --help, and returns CLI_USAGE. */
 int cli_usage(const char *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The sheet of a plot: curves over wavelength as SVG, one colour each. `names` stand in its legend. */
+void cli_plot(FILE *, stokes_spectrum *const *, const char *const *names, int count, double from_nm,
+              double to_nm);
 
 /* The whole text must be a number within [low, high]. */
 bool cli_number(const char *text, double low, double high, double *value);

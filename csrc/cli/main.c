@@ -12,7 +12,7 @@ static const struct command {
     {"render", "render a scene file", cli_render},
     {"merge", "merge EXRs of disjoint sample ranges", cli_merge},
     {"info", "say what a scene file or an EXR holds", cli_info},
-    {"spectrum", "list the spectrum library, or print an entry", cli_spectrum},
+    {"spectrum", "list, show, plot and import spectra", cli_spectrum},
     {"matrix", "import, export and show reradiation matrices", cli_matrix},
     {"serve", "speak the stream on stdin and stdout (for the add-on)", cli_serve},
 };

@@ -122,9 +122,31 @@ STOKES_API void stokes_matrix_destroy(stokes_matrix *);
 /* The library's matrices: the name at `index`, or NULL past the end. */
 STOKES_API const char *stokes_matrix_name(size_t index);
 
-/* The spectrum library: the name at `index`, or NULL past the end; its value at a wavelength (nm). */
+/* The spectrum library: the name at `index`, or NULL past the end; and what is known of an entry (false if there is none). */
 STOKES_API const char *stokes_library_name(size_t index);
-STOKES_API bool stokes_library_value(const char *name, double lambda_nm, double *value);
+typedef struct stokes_library_notes {
+    const char *source, *licence;
+    double first_nm, last_nm;
+    double quantum_yield; /* of a dye, 0 where no source is known */
+    const char *yield_source;
+} stokes_library_notes;
+STOKES_API bool stokes_library_about(const char *name, stokes_library_notes *);
+
+/* A table of wavelengths, ascending, linear between; beyond its ends it holds or is zero. */
+typedef struct stokes_spectrum {
+    size_t count;
+    double *lambda_nm, *value;
+    bool holds;
+} stokes_spectrum;
+/* An entry of the library, or a file: lines of a wavelength and, in `column` (from 1 on), a value, parted by commas, semicolons or blanks.
+   Yours (stokes_spectrum_destroy); NULL with *err. */
+STOKES_API stokes_spectrum *stokes_spectrum_read(const char *name_or_path, int column, stokes_error *err);
+STOKES_API double stokes_spectrum_value(const stokes_spectrum *, double lambda_nm);
+/* As lines of a wavelength and a value or, by its ending .json, as the stream takes it: {"table": …}. */
+STOKES_API bool stokes_spectrum_write(const stokes_spectrum *, const char *path, stokes_error *err);
+STOKES_API void stokes_spectrum_destroy(stokes_spectrum *);
+/* Writes a text file whole or not at all. */
+STOKES_API bool stokes_text_write(const char *path, const char *text, size_t bytes, stokes_error *err);
 
 #ifdef __cplusplus
 }

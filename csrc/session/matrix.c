@@ -11,40 +11,6 @@
 #include "session/session.h"
 #include "spectrum/library/library.h"
 
-/* A matrix of 640 × 640 bands as text is a tenth of this. */
-#define TEXT_MAX ((size_t)64 << 20)
-
-static char *read_text(FILE *file, const char *path, stokes_error *err)
-{
-    size_t bytes = 0, room = 1 << 16;
-    char *text = malloc(room);
-    while (text && bytes < TEXT_MAX) {
-        size_t got = fread(text + bytes, 1, room - 1 - bytes, file);
-        bytes += got;
-        if (bytes < room - 1)
-            break;
-        char *more = realloc(text, room *= 2);
-        if (!more)
-            free(text);
-        text = more;
-    }
-    if (!text || bytes >= TEXT_MAX || ferror(file)) {
-        fail(err, path, "open", "%s",
-             !text          ? "out of memory"
-             : ferror(file) ? strerror(errno)
-                            : "is too long");
-        free(text);
-        return NULL;
-    }
-    text[bytes] = 0;
-    if (strlen(text) < bytes) {
-        fail(err, path, "open", "is neither text nor an OpenEXR");
-        free(text);
-        return NULL;
-    }
-    return text;
-}
-
 stokes_matrix *stokes_matrix_read(const char *path, const int *pixel, reradiation_note note, void *user,
                                   stokes_error *err)
 {
@@ -58,11 +24,10 @@ stokes_matrix *stokes_matrix_read(const char *path, const int *pixel, reradiatio
         return NULL;
     }
     bool picture = fread(magic, 1, 4, file) == 4 && memcmp(magic, exr_magic, 4) == 0;
-    rewind(file);
-    char *text = picture ? NULL : read_text(file, path, err);
     fclose(file);
     if (picture)
         return bispectral_read(path, pixel, note, user, err);
+    char *text = session_read_text(path, err);
     stokes_matrix *m = text ? reradiation_from_text(text, path, note, user, err) : NULL;
     free(text);
     return m;

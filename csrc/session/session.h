@@ -65,6 +65,9 @@ bool session_settings_check(const struct session_settings *, stokes_error *err);
 bool session_settings_override(struct session_settings *, const stokes_overrides *, stokes_error *err);
 int session_threads(const struct session_settings *);
 
+/* A whole text file, ended by NUL; free. NULL with *err, also where it holds a NUL. */
+char *session_read_text(const char *path, stokes_error *err);
+
 /* Compiles and builds what the messages brought. */
 bool session_commit(stokes_session *, const struct session_settings *, stokes_error *err);
 

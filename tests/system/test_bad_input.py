@@ -479,7 +479,6 @@ def test_wrong_usage_is_one_line_and_status_2(tmp_path):
         ["merge", "a.exr"],
         ["info"],
         ["spectrum"],
-        ["spectrum", "show", "no such"],
         ["serve", "--memory", "x"],
     ):
         result = run(*arguments, cwd=tmp_path)

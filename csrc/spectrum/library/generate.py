@@ -128,13 +128,13 @@ class Table:
             (name, f'{{"{name}", BEYOND_ZERO, {first + low}, 1, {high - low}, .packed = {array}}}')
         )
 
-    def knots(self, name, lambda_array, values):
+    def knots(self, name, lambda_array, values, source):
         array = self.array("float", "v_" + identifier(name), map(number, values))
         self.entries.append(
             (
                 name,
                 f'{{"{name}", BEYOND_HOLD, 0, 0, {len(values)}, '
-                f".lambda = {lambda_array}, .value = {array}}}",
+                f'.lambda = {lambda_array}, .value = {array}, .source = "{source}"}}',
             )
         )
 
@@ -251,10 +251,11 @@ def write_metals():
         high = min(i for i, v in enumerate(nm) if v >= HIGH_NM)
         table.text.append(f"/* {path}:\n   {citation(data)} */")
         grid = table.array("float", f"nm_{name}", map(number, nm[low : high + 1]))
+        source = re.sub(r"^1\) |(?<=\w-) (?=[a-z])", "", " ".join(citation(data).split()))
+        source = source.replace('"', "'")
         for column, what in ((1, "eta"), (2, "k")):
-            table.knots(
-                f"metal/{name}/{what}", grid, [line[column] for line in lines[low : high + 1]]
-            )
+            values = [line[column] for line in lines[low : high + 1]]
+            table.knots(f"metal/{name}/{what}", grid, values, source)
     table.write(HERE / "metals.inc", "metal_entries")
 
 

@@ -13,14 +13,20 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-static const struct {
+/* What the tables' own heads say. */
+#define COLOUR_SCIENCE "PyPI colour-science 0.4.7"
+static const struct shelf {
     const struct library_entry *entries;
     size_t count;
+    const char *source, *licence;
 } shelves[] = {
-    {colorchecker_entries, COUNT(colorchecker_entries)},
-    {dye_entries, COUNT(dye_entries)},
-    {lamp_entries, COUNT(lamp_entries)},
-    {metal_entries, COUNT(metal_entries)},
+    {colorchecker_entries, COUNT(colorchecker_entries),
+     "ColorChecker as measured by N. Ohta; " COLOUR_SCIENCE, "BSD-3-Clause"},
+    {dye_entries, COUNT(dye_entries),
+     "McNamara-Boswell and Life Technologies collections, as distributed with ISETFluorescence",
+     "measured facts"},
+    {lamp_entries, COUNT(lamp_entries), "CIE 015:2018; " COLOUR_SCIENCE, "BSD-3-Clause"},
+    {metal_entries, COUNT(metal_entries), "refractiveindex.info", "CC0"},
 };
 
 static const struct glass glasses[] = {
@@ -37,6 +43,24 @@ const struct library_entry *library_at(size_t index)
         index -= shelves[i].count;
     }
     return NULL;
+}
+
+static const struct shelf *shelf_of(const struct library_entry *entry)
+{
+    size_t i = 0;
+    while (entry < shelves[i].entries || entry >= shelves[i].entries + shelves[i].count)
+        i++;
+    return &shelves[i];
+}
+
+const char *library_source(const struct library_entry *entry)
+{
+    return entry->source ? entry->source : shelf_of(entry)->source;
+}
+
+const char *library_licence(const struct library_entry *entry)
+{
+    return shelf_of(entry)->licence;
 }
 
 const struct library_entry *library_find(const char *name)

@@ -13,7 +13,15 @@ struct library_entry {
     uint16_t first_nm, step_nm, count;
     const float *lambda, *value;
     const uint16_t *packed;
+    const char *source; /* NULL: that of its shelf */
 };
+
+/* Where an entry's numbers come from, and under which licence. */
+const char *library_source(const struct library_entry *);
+const char *library_licence(const struct library_entry *);
+
+/* The fluorescence quantum yield of a dye ("rhodamine-6g_ethanol") and who measured it; false where no source is known here. */
+bool library_yield(const char *dye, double *yield, const char **source);
 
 /* An entry by name or by index; NULL if there is none. */
 const struct library_entry *library_find(const char *name);

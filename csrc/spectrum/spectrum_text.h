@@ -1,0 +1,11 @@
+/* Tables of wavelengths and values as text: CSV, SPD, or whatever parts numbers by commas, semicolons or blanks. */
+#ifndef SPECTRUM_SPECTRUM_TEXT_H
+#define SPECTRUM_SPECTRUM_TEXT_H
+
+#include "spectrum/spectrum.h"
+
+/* Rows of a wavelength (nm) and the value in a column (from 1 on), by ascending wavelength. Lines that do not begin with a number are titles.
+   `text` ends with NUL and is changed. NULL with *err; yours to free, with the table's arrays in it. */
+stokes_spectrum *spectrum_from_text(char *text, int column, const char *name, stokes_error *err);
+
+#endif

@@ -1,0 +1,89 @@
+"""`stokes spectrum`: the library with its sources, and users' own files."""
+
+import json
+import xml.etree.ElementTree as xml
+
+import pytest
+
+ROWS = "nm;percent\n# a title\n500;20;1\n400;10;2\n600 90 3\n"
+
+
+@pytest.fixture
+def table(tmp_path):
+    path = tmp_path / "own.csv"
+    path.write_text(ROWS)
+    return path
+
+
+def numbers(result):
+    return [tuple(map(float, line.split())) for line in result.stdout.splitlines()]
+
+
+def test_every_entry_has_a_source_a_licence_and_its_measured_range(core):
+    names = core.run("spectrum", "list").stdout.splitlines()
+    lines = core.run("spectrum", "list", "--long").stdout.splitlines()
+    assert len(names) == len(lines) > 190
+    for name, line in zip(names, lines):
+        assert line.startswith(name + "  ") and " nm  " in line and "(" in line, line
+
+
+def test_quantum_yields_come_with_who_measured_them(core):
+    line = core.run("spectrum", "list", "-l", "dye/quinine-sulfate").stdout.splitlines()[0]
+    assert "quantum yield 0.546: W. H. Melhuish" in line
+    assert "quantum yield" not in core.run("spectrum", "list", "-l", "dye/calcein").stdout
+
+
+def test_an_entry_is_shown_between_its_knots(core):
+    found = core.run("spectrum", "show", "colorchecker/red", 500, 520, 5)
+    assert [nm for nm, _ in numbers(found)] == [500, 505, 510, 515, 520]
+    values = [value for _, value in numbers(found)]
+    assert values[1] == pytest.approx((values[0] + values[2]) / 2, rel=1e-4)
+    assert "ColorChecker" in found.stderr and "BSD-3-Clause" in found.stderr
+
+
+def test_a_file_is_shown_sorted_by_the_column_that_is_asked_for(core, table):
+    assert numbers(core.run("spectrum", "show", table)) == [(400, 10), (500, 20), (600, 90)]
+    assert numbers(core.run("spectrum", "show", table, "--column", 2)) == [(400, 2), (500, 1), (600, 3)]
+    assert numbers(core.run("spectrum", "show", table, 450, 550, 50)) == [(450, 15), (500, 20), (550, 55)]
+
+
+def test_an_imported_file_is_what_the_stream_takes(core, table, tmp_path):
+    result = core.run("spectrum", "import", table, "--percent", "-o", tmp_path / "own.json")
+    assert "3 values of 0.1 to 0.9, 400 to 600 nm" in result.stderr
+    found = json.loads((tmp_path / "own.json").read_text())
+    assert found == {"table": {"lambda": [400, 500, 600], "value": [0.1, 0.2, 0.9]}}
+    core.run("spectrum", "import", table, "-o", tmp_path / "sorted.csv")
+    assert (tmp_path / "sorted.csv").read_text() == "nm,value\n400,10\n500,20\n600,90\n"
+
+
+def test_a_plot_holds_a_curve_for_each_spectrum(core, table, tmp_path):
+    core.run("spectrum", "plot", "colorchecker/red", "dye/dsred/emission", table, "-o", tmp_path / "plot.svg")
+    sheet = xml.fromstring((tmp_path / "plot.svg").read_text())
+    curves = sheet.findall("{*}polyline")
+    words = [text.text for text in sheet.findall("{*}text")]
+    assert len(curves) == 3 and "wavelength (nm)" in words and str(table) in words
+    points = [tuple(map(float, point.split(","))) for point in curves[2].get("points").split()]
+    assert len(points) == 3 and points[0][1] > points[1][1] > points[2][1]  # up is small
+    piped = core.run("spectrum", "plot", "colorchecker/red")
+    assert xml.fromstring(piped.stdout).tag.endswith("svg")
+
+
+@pytest.mark.parametrize(
+    "text,why",
+    [
+        ("", "at least two"),
+        ("400 1\n", "at least two"),
+        ("400 1\n400 2\n", "wavelength 400 stands twice"),
+        ("400 1\n500 abc\n", "line 2: no number in column 2"),
+        ("400 1\n500 nan\n", "line 2"),
+        ("400 1\n-5 1\n", "line 2"),
+    ],
+)
+def test_what_is_no_table_is_one_line(core, tmp_path, text, why):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    for arguments in (["show", path], ["plot", path], ["import", path, "-o", tmp_path / "out.csv"]):
+        result = core.run("spectrum", *arguments, check=False)
+        assert result.returncode == 1 and why in result.stderr and str(path) in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+    assert not (tmp_path / "out.csv").exists()
