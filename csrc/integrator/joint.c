@@ -159,8 +159,7 @@ static void surface_end(struct joint *joint, enum side side)
                   dye ? end->at->lambda : joint->lambda, joint->lambda, &end->steps);
     end->disperses = !dye && surface_elastic_disperses(&v->surface, v->to_prev, to_other);
     for (int i = 0; i < joint->lanes; i++)
-        end->draw[i] = dye ? surface_pdf_lambda(&v->surface, side, end->as.lobe, end->at->lambda[i], joint->lambda[i])
-                           : end->at->draw[i];
+        end->draw[i] = dye ? end->steps.draw[i] : end->at->draw[i];
 }
 
 /* What the connecting run's wavelength is drawn from on one side: the end itself, or the start of the run that it is in. */

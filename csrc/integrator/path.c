@@ -133,40 +133,35 @@ static double choose_copy(const struct worker *w, struct copying *copying, uint3
     return copying->chance[run];
 }
 
-/* A copying light sub-path begins a run at a dye: with its own wavelength, or with one of the camera's. What was copied before the dye
-   and again after it would be singular, so such a path ends. Returns the density per which the wavelength came, chance included. */
-static double copy_at_dye(struct worker *w, const struct subpath *path, uint32_t dimension, float *lambda,
-                          double pdf)
-{
-    struct copying *copying = w->copying;
-    if (copying->taken >= 0)
-        return 0;
-    double chance = choose_copy(w, copying, dimension);
-    if (copying->taken < 0)
-        return chance * pdf;
-    copying->start = path->count - 1;
-    *lambda = copying->lambda[copying->taken];
-    return chance;
-}
-
-/* The lanes of a run that begins at a dye, and the densities with which their wavelengths came. False if the leader's cannot. */
+/* The lanes of a run that begins at a dye. A copying light sub-path has one, its own or one of the camera's; what was copied before the dye and
+   again after it would be singular, so such a path ends: false. `chance` and `copies` are of that choice. */
 static bool draw_lambdas(const struct integrator *it, struct worker *w, enum side side,
                          const struct subpath *path, uint32_t dimension, const struct scatter *drawn,
-                         struct vertex *v, double density[LANES_MAX])
+                         struct vertex *v, double *chance, bool *copies)
 {
+    struct copying *copying = w->copying;
     float u[LANES_MAX], pdf;
-    v->lanes_out = w->copying ? 1 : it->lanes;
+    *chance = 1;
+    *copies = false;
+    v->lanes_out = copying ? 1 : it->lanes;
     lanes_stratify(random_at(w->random, dimension + 1), v->lanes_out, u);
     for (int i = 0; i < v->lanes_out; i++) {
         int strata = (i + v->lanes_out - v->leader) % v->lanes_out;
         v->lambda_out[i] = i == v->leader ? drawn->lambda
                                           : surface_sample_lambda(&v->surface, side, drawn->lobe,
                                                                   v->arrival.lambda[i], u[strata], &pdf);
-        density[i] = surface_pdf_lambda(&v->surface, side, drawn->lobe, v->arrival.lambda[i], v->lambda_out[i]);
     }
-    if (w->copying)
-        density[0] = copy_at_dye(w, path, dimension + STEP_COPY, v->lambda_out, density[0]);
-    return density[v->leader] > 0;
+    if (!copying)
+        return true;
+    if (copying->taken >= 0)
+        return false;
+    *chance = choose_copy(w, copying, dimension + STEP_COPY);
+    *copies = copying->taken >= 0;
+    if (*copies) {
+        copying->start = path->count - 1;
+        v->lambda_out[0] = copying->lambda[copying->taken];
+    }
+    return true;
 }
 
 /* After a dye, the leader is drawn anew among the lanes that live: what a dye gave nothing can lead nowhere. False if none does. */
@@ -201,42 +196,43 @@ static bool step_lanes(const struct integrator *it, struct worker *w, enum side 
                        uint32_t dimension, const struct scatter *drawn, struct vertex *v,
                        double density[LANES_MAX], struct surface_steps *steps)
 {
+    bool fluoresces = drawn->label == LABEL_FLUORESCENT, copies = false;
+    double chance = 1;
     v->lanes_out = drawn->disperses ? 1 : v->arrival.lanes;
     int first = v->lanes_out < v->arrival.lanes ? v->leader : 0;
-    for (int i = 0; i < v->lanes_out; i++) {
-        v->lambda_out[i] = v->arrival.lambda[first + i];
-        density[i] = 1;
-    }
-    if (drawn->label == LABEL_FLUORESCENT && !draw_lambdas(it, w, side, path, dimension, drawn, v, density))
-        return false;
     for (int i = 0; i < v->lanes_out; i++)
-        v->from[i] = (uint8_t)(first + i);
+        v->lambda_out[i] = v->arrival.lambda[first + i];
+    if (fluoresces && !draw_lambdas(it, w, side, path, dimension, drawn, v, &chance, &copies))
+        return false;
     if (v->lanes_out == 1 && v->lambda_out[0] == drawn->lambda)
-        *steps = (struct surface_steps){{drawn->value}, {drawn->pdf}, {drawn->pdf_other}};
+        *steps = (struct surface_steps){
+            {drawn->value}, {drawn->pdf}, {drawn->pdf_other}, {drawn->draw}, {drawn->draw_other}};
     else
         surface_steps(&v->surface, side, drawn->label, drawn->lobe, v->to_prev, drawn->direction,
                       v->lanes_out, v->arrival.lambda + first, v->lambda_out, steps);
+    for (int i = 0; i < v->lanes_out; i++) {
+        v->from[i] = (uint8_t)(first + i);
+        density[i] = fluoresces && !copies ? chance * (double)steps->draw[i] : chance;
+    }
     return true;
 }
 
 /* Everything that the lanes owe after a drawn step: densities, who might have led, gains. False if nothing lives on. */
 static bool follow(const struct integrator *it, struct worker *w, enum side side, const struct subpath *path,
                    uint32_t dimension, const struct scatter *drawn, struct vertex *v, struct vertex *next,
-                   double gain[LANES_MAX])
+                   struct surface_steps *steps, double gain[LANES_MAX])
 {
-    struct surface_steps steps;
     double density[LANES_MAX], chance[LANES_MAX];
     bool fluoresces = drawn->label == LABEL_FLUORESCENT;
-    if (!step_lanes(it, w, side, path, dimension, drawn, v, density, &steps))
+    if (!step_lanes(it, w, side, path, dimension, drawn, v, density, steps))
         return false;
     bool alone = v->lanes_out < v->arrival.lanes;
     for (int i = 0; i < v->lanes_out; i++) {
-        float pdf_lambda = fluoresces ? surface_pdf_lambda(&v->surface, side, drawn->lobe,
-                                                           v->arrival.lambda[v->from[i]], v->lambda_out[i])
-                                      : 1;
-        v->own[i] = steps.pdf[i];
-        v->other[i] = steps.pdf_other[i];
-        chance[i] = pdf_lambda > 0 ? steps.pdf[i] / (double)pdf_lambda : 0;
+        v->own[i] = steps->pdf[i];
+        v->other[i] = steps->pdf_other[i];
+        chance[i] = !fluoresces            ? steps->pdf[i]
+                    : steps->draw[i] > 0 ? steps->pdf[i] / (double)steps->draw[i]
+                                         : 0;
     }
     /* Where the leader goes on alone, it stands for all that might have led. */
     v->drawn = alone ? chance[0] * (double)v->lead[v->leader] * v->arrival.lanes / v->leaders
@@ -244,7 +240,7 @@ static bool follow(const struct integrator *it, struct worker *w, enum side side
     if (!(v->drawn > 0))
         return false;
     for (int i = 0; i < v->lanes_out; i++) {
-        gain[i] = density[i] > 0 ? steps.value[i] / (v->drawn * density[i]) : 0;
+        gain[i] = density[i] > 0 ? steps->value[i] / (v->drawn * density[i]) : 0;
         next->lead[i] = alone ? 1 : (float)(v->lead[i] * chance[i] / v->drawn);
     }
     next->leaders = alone ? 1 : v->leaders;
@@ -254,7 +250,7 @@ static bool follow(const struct integrator *it, struct worker *w, enum side side
 
 /* The next vertex's arrival, but for the edge to it. */
 static void depart(const struct integrator *it, const struct worker *w, enum side side, const struct vertex *v, int at,
-                   const double gain[LANES_MAX], struct vertex *next)
+                   const struct surface_steps *steps, const double gain[LANES_MAX], struct vertex *next)
 {
     const struct arrival *here = &v->arrival;
     struct arrival *there = &next->arrival;
@@ -264,8 +260,7 @@ static void depart(const struct integrator *it, const struct worker *w, enum sid
         int from = v->from[i];
         there->lambda[i] = v->lambda_out[i];
         there->throughput[i] = here->throughput[from] * gain[i];
-        there->draw[i] = begins ? surface_pdf_lambda(&v->surface, side, v->lobe, here->lambda[from], v->lambda_out[i])
-                                : here->draw[from];
+        there->draw[i] = begins ? steps->draw[i] : here->draw[from];
         next->lambda_film[i] = v->lambda_film[from];
     }
     there->start = begins ? at : here->start;
@@ -275,7 +270,7 @@ static void depart(const struct integrator *it, const struct worker *w, enum sid
     there->dyes = here->dyes + begins;
     there->disperses = !begins && (here->disperses || v->disperses);
     there->disperses_early = !begins && here->disperses;
-    tally_pass(it, w, side, v, here, v->from, v->own, v->other, there);
+    tally_pass(it, w, side, v, here, v->from, steps, there);
     arrival_fill(there, next->lambda_film, it->lanes);
 }
 
@@ -285,12 +280,13 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
 {
     struct vertex *v = &path->vertex[path->count - 1], *next = v + 1;
     struct scatter drawn;
+    struct surface_steps steps;
     double gain[LANES_MAX];
     float u[4];
     for (int i = 0; i < 4; i++)
         u[i] = random_at(w->random, dimension + (uint32_t)i);
     if (!surface_sample(&v->surface, side, v->to_prev, v->arrival.lambda[v->leader], u, &drawn) || !(drawn.pdf > 0) ||
-        !follow(it, w, side, path, dimension, &drawn, v, next, gain))
+        !follow(it, w, side, path, dimension, &drawn, v, next, &steps, gain))
         return false;
     /* Seen from the camera, this vertex's scattering sends a ray to the one that a light sub-path came from. */
     if (side == SIDE_LIGHT && !(v[-1].kinds & path_ray_kind((enum scatter_class)drawn.depth_class)))
@@ -309,7 +305,7 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     }
     for (int i = 0; i < SCATTER_CLASSES; i++)
         next->bounces[i] = (uint8_t)(v->bounces[i] + (i == drawn.depth_class));
-    depart(it, w, side, v, path->count - 1, gain, next);
+    depart(it, w, side, v, path->count - 1, &steps, gain, next);
     f->ray =
         (struct ray){scene_offset(&v->hit, drawn.direction), drawn.direction, 0, INFINITY,
                      side == SIDE_LIGHT ? any_kind : path_ray_kind((enum scatter_class)drawn.depth_class)};
@@ -358,7 +354,9 @@ static void depart_end(const struct integrator *it, const struct worker *w, enum
     there->dyes = 0;
     there->disperses = there->disperses_early = false;
     memset(next->bounces, 0, sizeof next->bounces);
-    tally_pass(it, w, side, end, &end->arrival, end->from, end->own, end->other, there);
+    struct surface_steps steps;
+    memcpy(steps.pdf, end->own, sizeof steps.pdf);
+    tally_pass(it, w, side, end, &end->arrival, end->from, &steps, there);
     arrival_fill(there, next->lambda_film, it->lanes);
 }
 

@@ -1,6 +1,8 @@
 /* Runs at other wavelengths: a walk back over one run, without a ray. */
 #include "integrator/relight.h"
 
+#include <string.h>
+
 #include "integrator/tally.h"
 
 /* The step that starts the run: what a light emits, a camera sees or a dye takes or gives at the new wavelengths. */
@@ -27,10 +29,9 @@ static void start_again(const struct integrator *it, enum side side, const struc
         return;
     case VERTEX_SURFACE: break;
     }
-    for (int i = 0; i < lanes; i++)
-        draw[i] = surface_pdf_lambda(&v->surface, side, v->lobe, v->arrival.lambda[i], lambda[i]);
     surface_steps(&v->surface, side, LABEL_FLUORESCENT, v->lobe, v->to_prev, v->to_next, lanes,
                   v->arrival.lambda, lambda, steps);
+    memcpy(draw, steps->draw, sizeof steps->draw);
 }
 
 double edge_transmittance(const struct integrator *it, const struct vertex *from, const struct vec3 *to,
@@ -85,7 +86,7 @@ int relight(const struct integrator *it, const struct worker *w, enum side side,
         there->dyes = traced->dyes;
         there->disperses = traced->disperses;
         there->disperses_early = traced->disperses_early;
-        tally_pass(it, w, side, v, here, straight, steps.pdf, steps.pdf_other, there);
+        tally_pass(it, w, side, v, here, straight, &steps, there);
         if (i + 1 < path->count)
             pass_edge(it, v, &path->vertex[i + 1], there);
         if (!(lanes_sum(there->throughput, lanes) > 0))

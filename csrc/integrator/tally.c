@@ -168,10 +168,9 @@ static void through_dye(const struct integrator *it, const struct passing *p, co
 /* Q at vertex v with a label. `lobe` is the fluorescent one, if it is. */
 static void through(const struct integrator *it, const struct worker *w, enum side side, const struct vertex *v,
                     const struct arrival *here, struct passing p, int lobe, const uint8_t from[],
-                    const float leaving[], const float other[], struct tally *q)
+                    const struct surface_steps *steps, struct tally *q)
 {
     enum side across = side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
-    float far[LANES_MAX];
     p.side = side;
     if (v->kind == VERTEX_LIGHT) {
         through_light(it, v, p.lanes, q);
@@ -184,25 +183,23 @@ static void through(const struct integrator *it, const struct worker *w, enum si
     if (p.label == LABEL_FLUORESCENT)
         p.partner = wavelengths_dye(&it->wavelengths, across, surface_fluorophore(&v->surface, lobe));
     if (!it->exact) {
-        through_mollified(it, w, &p, here, from, other, q);
+        through_mollified(it, w, &p, here, from, steps->pdf_other, q);
     } else if (p.label != LABEL_FLUORESCENT) {
-        through_run(&p, here, from, other, q);
+        through_run(&p, here, from, steps->pdf_other, q);
     } else {
-        for (int i = 0; i < p.lanes; i++)
-            far[i] = surface_pdf_lambda(&v->surface, across, lobe, leaving[i], here->lambda[from[i]]);
-        through_dye(it, &p, here, from, other, far, q);
+        through_dye(it, &p, here, from, steps->pdf_other, steps->draw_other, q);
     }
 }
 
 void tally_pass(const struct integrator *it, const struct worker *w, enum side side, const struct vertex *v,
-                const struct arrival *here, const uint8_t from[], const float own[], const float other[],
+                const struct arrival *here, const uint8_t from[], const struct surface_steps *steps,
                 struct arrival *there)
 {
     struct passing p = {.label = v->label, .disperses = v->disperses, .lanes = there->lanes};
     struct tally *q = &there->tally;
-    through(it, w, side, v, here, p, v->lobe, from, there->lambda, other, q);
+    through(it, w, side, v, here, p, v->lobe, from, steps, q);
     for (int i = 0; i < there->lanes; i++) {
-        double inverse = own[i] > 0 ? 1 / (double)own[i] : 0;
+        double inverse = steps->pdf[i] > 0 ? 1 / (double)steps->pdf[i] : 0;
         there->seam[i] = v->kind == VERTEX_SURFACE && v->label == LABEL_SPECULAR ? 0 : inverse;
         q->closed[i] *= inverse;
         q->open[i] *= inverse;
@@ -237,8 +234,7 @@ static struct part part_of(const struct integrator *it, const struct worker *w, 
     struct part part = {.is_start = end->as.label == LABEL_FLUORESCENT, .bends = end->disperses};
     struct passing p = {.label = end->as.label, .disperses = end->disperses, .lanes = j->lanes};
     part.disperses = !part.is_start && end->at->disperses;
-    through(it, w, side, end->vertex, end->at, p, end->as.lobe, straight, j->lambda, end->steps.pdf_other,
-            &part.q);
+    through(it, w, side, end->vertex, end->at, p, end->as.lobe, straight, &end->steps, &part.q);
     return part;
 }
 

@@ -13,10 +13,10 @@ void arrival_begin(struct arrival *, int lanes, double throughput, int origin);
 /* Where fewer lanes than `lanes` are in use, the others repeat the first. */
 void arrival_fill(struct arrival *, float lambda_film[LANES_MAX], int lanes);
 
-/* Sets `there->tally` and `seam`, but for the edge's geometry, behind vertex v, which was passed by v->label: here->… [from[i]] arrived, and `own`
-   and `other` are the nominal densities of the step. Reads there->lanes. */
+/* Sets `there->tally` and `seam`, but for the edge's geometry, behind vertex v, which was passed by v->label: here->… [from[i]] arrived, and the
+   steps hold the nominal densities. Reads there->lanes. */
 void tally_pass(const struct integrator *, const struct worker *, enum side, const struct vertex *v, const struct arrival *here,
-                const uint8_t from[], const float own[], const float other[], struct arrival *there);
+                const uint8_t from[], const struct surface_steps *, struct arrival *there);
 
 /* The weight of each lane of a connection. */
 void tally_weigh(const struct integrator *, const struct worker *, const struct joint *, double weight[LANES_MAX]);

@@ -83,6 +83,7 @@ const struct lobe_kind lobe_diffuse = {
     .name = "diffuse",
     .nature = LOBE_FINITE,
     .reflects_as = SCATTER_DIFFUSE,
+    .is_lambert = true,
     .albedo = reflectance,
     .albedo_integral = reflectance_integral,
     .evaluate = lambert,

@@ -51,15 +51,15 @@ static bool draw_elastic(const struct draw *d, const struct lobe *lobe, struct s
     struct vec3 leaving;
     if (!draw_direction(d, lobe, &leaving))
         return false;
-    bool camera = d->side == SIDE_CAMERA;
+    struct surface_steps step;
+    surface_steps(s, d->side, LABEL_ELASTIC, 0, d->arriving, leaving, 1, &d->lambda, &d->lambda, &step);
     *out = (struct scatter){
         .label = LABEL_ELASTIC,
         .direction = leaving,
         .lambda = d->lambda,
-        .value =
-            surface_elastic(s, camera ? leaving : d->arriving, camera ? d->arriving : leaving, d->lambda),
-        .pdf = surface_pdf_elastic(s, d->side, d->arriving, leaving, d->lambda),
-        .pdf_other = surface_pdf_elastic(s, d->other, leaving, d->arriving, d->lambda),
+        .value = step.value[0],
+        .pdf = step.pdf[0],
+        .pdf_other = step.pdf_other[0],
         .refracts = surface_crosses(s, d->arriving, leaving) && lobe->kind->disperses,
         .disperses = surface_elastic_disperses(s, d->arriving, leaving),
         .depth_class = surface_elastic_class(s, d->arriving, leaving),
@@ -80,21 +80,23 @@ static bool draw_fluorescent(const struct draw *d, int index, struct scatter *ou
     const struct surface *s = d->surface;
     const struct lobe *lobe = &s->lobe[index];
     const struct fluorophore *dye = lobe_fluorophore(lobe);
-    bool camera = d->side == SIDE_CAMERA;
     int f = index_among(s->fluorescent, index);
     struct vec3 leaving;
     float pdf, lambda = fluorophore_sample(dye, d->side, d->lambda, d->u[1], &pdf);
     if (!(pdf > 0) || !draw_direction(d, lobe, &leaving))
         return false;
+    struct surface_steps step;
+    surface_steps(s, d->side, LABEL_FLUORESCENT, f, d->arriving, leaving, 1, &d->lambda, &lambda, &step);
     *out = (struct scatter){
         .label = LABEL_FLUORESCENT,
+        .draw = step.draw[0],
+        .draw_other = step.draw_other[0],
         .lobe = f,
         .direction = leaving,
         .lambda = lambda,
-        .value = camera ? surface_fluorescent(s, f, leaving, d->arriving, lambda, d->lambda)
-                        : surface_fluorescent(s, f, d->arriving, leaving, d->lambda, lambda),
-        .pdf = surface_pdf_fluorescent(s, d->side, f, d->arriving, leaving, d->lambda, lambda),
-        .pdf_other = surface_pdf_fluorescent(s, d->other, f, leaving, d->arriving, lambda, d->lambda),
+        .value = step.value[0],
+        .pdf = step.pdf[0],
+        .pdf_other = step.pdf_other[0],
         .depth_class = SCATTER_DIFFUSE,
     };
     return true;
@@ -217,10 +219,19 @@ void surface_steps(const struct surface *s, enum side side, enum label label, in
                    struct vec3 arriving, struct vec3 leaving, int lanes, const float lambda_arriving[],
                    const float lambda_leaving[], struct surface_steps *out)
 {
+    if (s->is_matte) {
+        surface_matte_steps(s, side, label, which, arriving, leaving, lanes, lambda_arriving, lambda_leaving, out);
+        return;
+    }
     for (int i = 0; i < lanes; i++) {
         struct surface_step step = {0};
         surface_step_again(s, side, label, which, arriving, leaving, lambda_arriving[i], lambda_leaving[i],
                            &step);
+        if (label == LABEL_FLUORESCENT) {
+            out->draw[i] = surface_pdf_lambda(s, side, which, lambda_arriving[i], lambda_leaving[i]);
+            out->draw_other[i] = surface_pdf_lambda(s, side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA, which,
+                                                    lambda_leaving[i], lambda_arriving[i]);
+        }
         out->value[i] = step.value;
         out->pdf[i] = step.pdf;
         out->pdf_other[i] = step.pdf_other;

@@ -42,6 +42,7 @@ static const struct lobe_kind lobe_elastic = {
     .name = "fluorescent, elastic part",
     .nature = LOBE_FINITE,
     .reflects_as = SCATTER_DIFFUSE,
+    .is_lambert = true,
     .albedo = elastic_albedo,
     .albedo_integral = elastic_integral,
     .evaluate = elastic,
@@ -150,7 +151,12 @@ static bool make_spectra(struct compiler *compiler, const struct closure *closur
         f->reflected = spectrum_product(reflectance, absorption);
     if (!f->absorption || !f->emission || (reflectance && !f->reflected))
         return compiler_fail(compiler, "absorption", "out of memory");
-    return make_reradiation(compiler, closure, f);
+    f->per_emission = (float)(1 / spectrum_integral(f->emission));
+    if (!make_reradiation(compiler, closure, f))
+        return false;
+    double strength = spectrum_integral(f->reradiation);
+    f->per_strength = strength > 0 ? (float)(1 / strength) : 0;
+    return true;
 }
 
 /* The first of the two lobes owns the fluorophore. */

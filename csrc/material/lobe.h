@@ -27,6 +27,7 @@ struct lobe_kind {
     enum lobe_nature nature;
     enum scatter_class
         reflects_as; /* how Cycles counts its reflection; its transmission is SCATTER_TRANSMISSION */
+    bool is_lambert; /* `evaluate` is albedo · |to_light.z|/π on one side, and albedo that of any cosine */
 
     /* Estimate of the share of power that this lobe scatters of what arrives with cosine z, without the weight. Sets chances; for
        lobes of finite density it is also g of eq. 26. */
@@ -164,6 +165,7 @@ struct fluorophore {
     struct spectrum *emission;    /* ∫e = 1 over Λ */
     struct spectrum *reflected;   /* r a, for ∫ r (1 − c a); NULL if r is textured */
     double strength;              /* A = ∫ã, nm */
+    float per_strength, per_emission; /* 1/∫ã, 1/∫e; for separable dyes */
     struct band_table *bands;     /* NULL: separable */
     int index;                    /* among the scene's; −1 before material_set_fluorophores */
 };

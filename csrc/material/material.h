@@ -83,6 +83,7 @@ struct surface {
     uint8_t lobe_count, fluorescent_count, specular_count;
     bool has_elastic; /* any lobe of finite density that is not fluorescent */
     bool connects;    /* has a lobe of finite density at all */
+    bool is_matte;    /* all lobes are (matte.c) */
     uint8_t fluorescent[SURFACE_LOBES], specular[SURFACE_LOBES]; /* indices of those lobes */
     const struct material *material;
 };
@@ -120,6 +121,7 @@ struct scatter {
     float pdf_other; /* with which the other side's sub-path would have gone the other way */
     bool refracts;   /* passed through the surface with a change of index */
     bool disperses;  /* the direction depends on the wavelength */
+    float draw, draw_other; /* FLUORESCENT: what the wavelengths have of the two pdfs */
     int depth_class; /* enum scatter_class: which of Cycles' bounce limits counts it */
 };
 enum scatter_class { SCATTER_DIFFUSE, SCATTER_GLOSSY, SCATTER_TRANSMISSION, SCATTER_TRANSPARENT };
@@ -140,6 +142,7 @@ bool surface_step_again(const struct surface *, enum side, enum label, int lobe,
 /* The same for a bundle of wavelengths; 0 where a δ lobe cannot make the step. */
 struct surface_steps {
     float value[LANES_MAX], pdf[LANES_MAX], pdf_other[LANES_MAX];
+    float draw[LANES_MAX], draw_other[LANES_MAX]; /* of FLUORESCENT: what the wavelengths have of the two pdfs */
 };
 void surface_steps(const struct surface *, enum side, enum label, int lobe, struct vec3 arriving,
                    struct vec3 leaving, int lanes, const float lambda_arriving[],

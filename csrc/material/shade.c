@@ -1,5 +1,5 @@
 /* What a material is at a hit: textures, mix factors and normals evaluated; its lobes and its transparency. */
-#include "material/lobe.h"
+#include "material/surface.h"
 
 /* A shading normal keeps at least this cosine with the geometric one. */
 #define NORMAL_MIN_COSINE 1e-3f
@@ -155,6 +155,7 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
     s->ns = point.ns;
     s->lobe_count = s->fluorescent_count = s->specular_count = 0;
     s->has_elastic = s->connects = false;
+    s->is_matte = true;
     s->material = m;
     for (int i = 0; i < m->lobe_count; i++) {
         const struct lobe_plan *plan = &m->lobe[i];
@@ -172,7 +173,9 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
             continue;
         lobe->mapped = plan->closure->normal_map;
         register_lobe(s);
+        s->is_matte &= surface_lobe_is_matte(lobe);
     }
+    s->is_matte &= s->lobe_count > 0;
 }
 
 float material_transmittance(const struct material *m, const struct hit *hit, struct vec3 viewing,

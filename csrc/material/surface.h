@@ -33,4 +33,10 @@ float surface_view_weight(const struct surface *, const struct lobe *, struct ve
 /* The chance of each lobe for a sub-path from `side` that came in from `arriving`. They sum to 1, if there are lobes. */
 void surface_chances(const struct surface *, enum side, struct vec3 arriving, float lambda, float chance[]);
 
+/* matte.c: whether a surface of such lobes alone is matte, and surface_steps for one that is. */
+bool surface_lobe_is_matte(const struct lobe *);
+void surface_matte_steps(const struct surface *, enum side, enum label, int f, struct vec3 arriving,
+                         struct vec3 leaving, int lanes, const float lambda_arriving[],
+                         const float lambda_leaving[], struct surface_steps *);
+
 #endif

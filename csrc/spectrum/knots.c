@@ -82,13 +82,17 @@ static void index_cdf(struct spectrum *s)
     }
 }
 
-static void set_slopes(struct spectrum *s)
+static void set_lines(struct spectrum *s)
 {
-    for (uint32_t i = 0; i + 1 < s->count; i++) {
-        float length = s->lambda[i + 1] - s->lambda[i];
-        s->slope[i] = length > 0 ? (s->value[i + 1] - s->value[i]) / length : 0;
+    uint32_t last = s->count - 1;
+    for (uint32_t i = 0; i < last; i++) {
+        float begin = s->lambda[i], end = s->lambda[i + 1], value = s->value[i];
+        s->line[i] =
+            (struct spectrum_line){begin, end, value, end > begin ? (s->value[i + 1] - value) / (end - begin) : 0};
     }
-    s->slope[s->count - 1] = 0;
+    s->line[last] = (struct spectrum_line){s->lambda[last], INFINITY, s->value[last], 0};
+    s->min = s->lambda[0];
+    s->max = s->lambda[last];
 }
 
 static void accumulate(struct spectrum *s)
@@ -109,17 +113,17 @@ struct spectrum *knots_finish(struct knots *k, const char *name, stokes_error *e
             .count = (uint32_t)k->count, .lambda = k->lambda, .value = k->value, .bucket_count = buckets};
         *k = (struct knots){0};
         s->cumulative = malloc(s->count * sizeof *s->cumulative);
-        s->slope = malloc(s->count * sizeof *s->slope);
+        s->line = malloc(s->count * sizeof *s->line);
         s->guide = malloc(s->count * sizeof *s->guide);
         s->bucket = malloc(s->bucket_count * sizeof *s->bucket);
     }
     knots_free(k);
-    if (!s || !s->cumulative || !s->slope || !s->guide || !s->bucket) {
+    if (!s || !s->cumulative || !s->line || !s->guide || !s->bucket) {
         spectrum_destroy(s);
         fail(err, name, "spectrum", "out of memory");
         return NULL;
     }
-    set_slopes(s);
+    set_lines(s);
     accumulate(s);
     if (!isfinite(s->cumulative[s->count - 1])) {
         spectrum_destroy(s);
@@ -138,7 +142,7 @@ void spectrum_destroy(struct spectrum *s)
     free(s->lambda);
     free(s->value);
     free(s->cumulative);
-    free(s->slope);
+    free(s->line);
     free(s->guide);
     free(s->bucket);
     free(s);

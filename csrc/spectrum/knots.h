@@ -39,7 +39,7 @@ static inline uint32_t spectrum_segment(const struct spectrum *s, float lambda_n
 /* The value of segment i's line at a wavelength of it. */
 static inline float segment_value(const struct spectrum *s, uint32_t i, float lambda_nm)
 {
-    return lambda_nm >= s->lambda[i + 1] ? s->value[i + 1] : s->value[i] + (lambda_nm - s->lambda[i]) * s->slope[i];
+    return lambda_nm >= s->lambda[i + 1] ? s->value[i + 1] : s->value[i] + (lambda_nm - s->lambda[i]) * s->line[i].slope;
 }
 
 #endif

@@ -4,13 +4,6 @@
 
 #include "spectrum/knots.h"
 
-float spectrum_eval(const struct spectrum *s, float lambda_nm)
-{
-    if (!(lambda_nm >= s->lambda[0] && lambda_nm <= s->lambda[s->count - 1]))
-        return 0;
-    return segment_value(s, spectrum_segment(s, lambda_nm), lambda_nm);
-}
-
 double spectrum_integral(const struct spectrum *s)
 {
     return s->cumulative[s->count - 1];

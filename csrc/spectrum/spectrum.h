@@ -22,9 +22,12 @@ enum beyond { BEYOND_ZERO, BEYOND_HOLD };
 
 struct spectrum {
     uint32_t count;     /* knots */
+    float min, max;     /* Λ */
     float *lambda;      /* ascending, first = Λ.min, last = Λ.max; two equal neighbours make a step */
     float *value;       /* at the knots */
-    float *slope;       /* of the segment after each knot, nm⁻¹; 0 across a step */
+    struct spectrum_line {
+        float begin, end, value, slope; /* the segment after each knot; the last one goes on for ever */
+    } *line;
     double *cumulative; /* ∫ from Λ.min to the knot */
     uint32_t *bucket;   /* first candidate segment of each bucket_nm-wide bucket of Λ */
     uint32_t bucket_count;
@@ -57,8 +60,17 @@ static inline struct range spectrum_range(const struct spectrum *s)
     return (struct range){s->lambda[0], s->lambda[s->count - 1]};
 }
 
-/* Value at a wavelength; 0 outside Λ. */
-float spectrum_eval(const struct spectrum *, float lambda_nm);
+/* Value at a wavelength; 0 outside Λ. In the innermost loop of every integrator: one bucket, one line of four floats. */
+static inline float spectrum_eval(const struct spectrum *s, float lambda_nm)
+{
+    if (!(lambda_nm >= s->min && lambda_nm <= s->max))
+        return 0;
+    uint32_t b = (uint32_t)((lambda_nm - s->min) * s->buckets_per_nm);
+    const struct spectrum_line *line = &s->line[s->bucket[b < s->bucket_count ? b : s->bucket_count - 1]];
+    while (lambda_nm >= line->end)
+        line++;
+    return line->value + (lambda_nm - line->begin) * line->slope;
+}
 double spectrum_integral(const struct spectrum *); /* over Λ */
 double spectrum_integral_to(const struct spectrum *, float lambda_nm); /* from Λ.min */
 float spectrum_max(const struct spectrum *);
