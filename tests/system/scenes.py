@@ -35,7 +35,7 @@ MATERIALS = {
     ),
 }
 # Emission and absorption are zero outside their tables, which the stream and `Table` both say.
-LIGHTS = {"d65": exact.d65(), "uv": exact.Table([344, 362, 374, 396], [0, 1, 1, 0])}
+LIGHTS = {"d65": exact.d65(), "uv": exact.Table([344, 348, 392, 396], [0, 1, 1, 0])}
 # Where each light, and what it makes the dye emit, is looked at: bins of 20 nm.
 BINS = {
     ("elastic", "d65"): (14, 420, 700),

@@ -88,6 +88,10 @@ class Family:
         self.alarms = ~(np.abs(self.t) <= critical)  # a NaN raises the alarm too
         self.blind = ~((self.seen <= self.promised) | np.isinf(self.promised))
 
+    def samples_needed(self):
+        """How many times the samples every promise takes to be kept, by the variance alone: what was found plays no part."""
+        return max((self.seen / self.promised) ** 2)
+
     def lines(self):
         return [
             "%-14s found %.6g ± %.2g, wanted %.6g (%+.3f %%, t = %+.1f), sees %.3g %%%s%s"

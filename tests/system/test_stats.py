@@ -45,6 +45,12 @@ def test_too_few_samples_fail_even_when_they_agree():
         stats.assert_unbiased("blind", batches, TRUTH, 0.01)
 
 
+def test_a_pilot_tells_how_many_samples_a_promise_takes():
+    few = stats.against(exponential_batches(1, 96, 600), TRUTH, 0.01).samples_needed()
+    enough = stats.against(exponential_batches(2, 96, round(600 * few * 1.5)), TRUTH, 0.01)
+    assert few > 10 and not enough.blind.any() and 0.4 < enough.samples_needed() <= 1
+
+
 def test_what_is_not_finite_fails():
     batches = exponential_batches(1, 48, 30000)
     batches[3, 1] = math.nan
