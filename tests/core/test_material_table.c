@@ -32,6 +32,7 @@ static void map_normals(struct surface *s, struct kit_random *r)
         if (s->lobe[i].kind->nature != LOBE_DELTA) {
             s->lobe[i].frame = frame_about(n);
             s->lobe[i].mapped = true;
+            s->is_matte = false; /* material_shade would have seen the map */
         }
 }
 
@@ -242,6 +243,12 @@ static void draws_follow_densities_that_sum_to_one(void **state)
 
 /* --- A draw says what the functions say --------------------------------------------------------------------- */
 
+/* Matte surfaces have formulae of their own (matte.c), which round otherwise. */
+static void assert_near(float a, float b)
+{
+    assert_true(fabsf(a - b) <= 2e-5f * fabsf(b) + 1e-12f);
+}
+
 static void check_draw(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
                        const struct scatter *d)
 {
@@ -250,17 +257,19 @@ static void check_draw(const struct surface *s, enum side side, struct vec3 arri
     assert_true(isfinite(d->value) && d->value >= 0 && d->pdf > 0 && isfinite(d->pdf) && d->pdf_other >= 0);
     assert_float_equal(length(d->direction), 1, 1e-5);
     if (d->label == LABEL_ELASTIC) {
-        assert_true(d->value == surface_elastic(s, light, eye, lambda));
-        assert_true(d->pdf == surface_pdf_elastic(s, side, arriving, d->direction, lambda));
-        assert_true(d->pdf_other == surface_pdf_elastic(s, other_side(side), d->direction, arriving, lambda));
+        assert_near(d->value, surface_elastic(s, light, eye, lambda));
+        assert_near(d->pdf, surface_pdf_elastic(s, side, arriving, d->direction, lambda));
+        assert_near(d->pdf_other, surface_pdf_elastic(s, other_side(side), d->direction, arriving, lambda));
         assert_true(d->lambda == lambda);
     } else if (d->label == LABEL_FLUORESCENT) {
         float in = camera ? d->lambda : lambda, out = camera ? lambda : d->lambda;
-        assert_true(d->value == surface_fluorescent(s, d->lobe, light, eye, in, out));
-        assert_true(d->pdf ==
+        assert_near(d->value, surface_fluorescent(s, d->lobe, light, eye, in, out));
+        assert_near(d->pdf,
                     surface_pdf_fluorescent(s, side, d->lobe, arriving, d->direction, lambda, d->lambda));
-        assert_true(d->pdf_other == surface_pdf_fluorescent(s, other_side(side), d->lobe, d->direction,
-                                                            arriving, d->lambda, lambda));
+        assert_near(d->pdf_other, surface_pdf_fluorescent(s, other_side(side), d->lobe, d->direction,
+                                                          arriving, d->lambda, lambda));
+        assert_near(d->draw, surface_pdf_lambda(s, side, d->lobe, lambda, d->lambda));
+        assert_near(d->draw_other, surface_pdf_lambda(s, other_side(side), d->lobe, d->lambda, lambda));
         assert_true(d->lambda >= 300 && d->lambda <= 830);
     }
 }
