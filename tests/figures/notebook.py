@@ -15,6 +15,7 @@ def draw():
     notebook = nbformat.read(here / "color_bias.ipynb", as_version=4)
     place = {"metadata": {"path": str(here)}}
     client = nbclient.NotebookClient(notebook, timeout=SECONDS, kernel_name="python3", resources=place)
+    client.extra_arguments = ["--log-level=ERROR"]
     client.execute()
     nbformat.write(notebook, plots.FOLDER / "color_bias.ipynb")
     kit.say("  color_bias.ipynb and %d plots" % len(list(plots.FOLDER.glob("notebook-*.png"))))
