@@ -16,6 +16,7 @@ CORE = ROOT / "build" / "stokes"
 SCENES = {
     "spheres": ("spheres", ()),
     "lens": ("lens", ()),
+    "ufo": ("ufo", ("--samples", "16")),  # a lamp in sight, and few samples are of one colour
     "bias": ("bias-checker-cyan-back", ("--reflectance", "checker-cyan", "--walls", "back")),
 }
 
