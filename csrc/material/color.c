@@ -22,3 +22,13 @@ bool spectral_value_integral(const struct spectral_value *v, float a, float b, d
     }
     return false;
 }
+
+bool spectral_value_terms(const struct spectral_value *v, struct part_terms *terms)
+{
+    *terms = (struct part_terms){0};
+    if (v->form == SPECTRAL_FLAT)
+        terms->constant = v->scale;
+    else
+        *terms = (struct part_terms){.count = 1, .term = {{v->scale, v->spectrum}}};
+    return v->form != SPECTRAL_CURVE;
+}

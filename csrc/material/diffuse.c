@@ -39,6 +39,12 @@ static bool reflectance_integral(const struct lobe *lobe, float z, float a, floa
     return spectral_value_integral(&lobe->color[0], a, b, integral);
 }
 
+static bool reflectance_terms(const struct lobe *lobe, enum part part, struct part_terms *terms)
+{
+    *terms = (struct part_terms){.constant = 1};
+    return part == PART_KEPT || spectral_value_terms(&lobe->color[0], terms);
+}
+
 /* Fujii's A = 1/(π + (π/2 − 2/3) σ), B = σ A: f = A + B t. */
 static float fujii_a(float sigma)
 {
@@ -86,6 +92,7 @@ const struct lobe_kind lobe_diffuse = {
     .is_lambert = true,
     .albedo = reflectance,
     .albedo_integral = reflectance_integral,
+    .terms = reflectance_terms,
     .evaluate = lambert,
     .pdf = diffuse_pdf,
     .sample = diffuse_sample,
@@ -97,6 +104,7 @@ static const struct lobe_kind lobe_oren_nayar = {
     .reflects_as = SCATTER_DIFFUSE,
     .albedo = reflectance,
     .albedo_integral = reflectance_integral,
+    .terms = reflectance_terms,
     .evaluate = oren_nayar,
     .pdf = diffuse_pdf,
     .sample = diffuse_sample,

@@ -13,12 +13,37 @@ enum { CONCENTRATION };
 
 /* --- The elastic lobe ------------------------------------------------------------------------------------ */
 
+static float elastic_part(const struct lobe *lobe, enum part part, float lambda)
+{
+    const struct fluorophore *f = lobe->data;
+    float kept = 1, reflected = 1;
+    if (part != PART_REFLECTED)
+        kept = 1 - lobe->parameter[CONCENTRATION] * spectrum_eval(f->absorption, lambda);
+    if (part != PART_KEPT)
+        reflected = spectral_value_eval(&lobe->color[0], lambda);
+    return reflected * kept;
+}
+
 static float elastic_albedo(const struct lobe *lobe, float z, float lambda)
 {
     (void)z;
+    return elastic_part(lobe, PART_ALL, lambda);
+}
+
+/* r − c r a, or r, or 1 − c a. */
+static bool elastic_terms(const struct lobe *lobe, enum part part, struct part_terms *terms)
+{
     const struct fluorophore *f = lobe->data;
-    float kept = 1 - lobe->parameter[CONCENTRATION] * spectrum_eval(f->absorption, lambda);
-    return spectral_value_eval(&lobe->color[0], lambda) * kept;
+    *terms = (struct part_terms){.constant = 1};
+    if (part != PART_KEPT && !spectral_value_terms(&lobe->color[0], terms))
+        return false;
+    if (part == PART_REFLECTED)
+        return true;
+    if (part == PART_ALL && !f->reflected)
+        return false;
+    terms->term[terms->count].factor = -lobe->parameter[CONCENTRATION];
+    terms->term[terms->count++].spectrum = part == PART_KEPT ? f->absorption : f->reflected;
+    return true;
 }
 
 /* ∫ r − c ∫ r a: exact from two cumulative tables, whatever c is at this hit. */
@@ -45,6 +70,8 @@ static const struct lobe_kind lobe_elastic = {
     .is_lambert = true,
     .albedo = elastic_albedo,
     .albedo_integral = elastic_integral,
+    .part = elastic_part,
+    .terms = elastic_terms,
     .evaluate = elastic,
     .pdf = diffuse_pdf,
     .sample = diffuse_sample,

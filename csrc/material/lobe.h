@@ -20,6 +20,19 @@ struct delta {
     enum scatter_class depth_class;
 };
 
+/* What an elastic lobe's wavelengths are made of: all of it, g = r (1 − c a); what it reflects, r; what its dye leaves to reflect. */
+enum part { PART_ALL, PART_REFLECTED, PART_KEPT };
+
+/* A part as a sum of tables, whose integrals take constant time. */
+struct part_terms {
+    double constant;
+    int count;
+    struct {
+        double factor;
+        const struct spectrum *spectrum;
+    } term[2];
+};
+
 /* Directions are local: z is along the shading normal; z > 0 is the side of ng. A lobe that does not care about sides
    mirrors them. Unused functions are NULL: a δ lobe has `scatter` only, a fluorescent one nothing but `albedo`. */
 struct lobe_kind {
@@ -34,6 +47,11 @@ struct lobe_kind {
     float (*albedo)(const struct lobe *, float z, float lambda);
     /* ∫ albedo dλ from a to b; NULL: quadrature. False: this lobe cannot (a textured colour), use quadrature. */
     bool (*albedo_integral)(const struct lobe *, float z, float a, float b, double *integral);
+
+    /* Parts, for lobes whose dye keeps some from being reflected. NULL: all is reflected. */
+    float (*part)(const struct lobe *, enum part, float lambda);
+    /* NULL or false: quadrature. */
+    bool (*terms)(const struct lobe *, enum part, struct part_terms *);
 
     /* Of microfacets and mirrors: reflectance at the cosine between a direction and the facet's normal. */
     float (*reflectance)(const struct lobe *, float cosine, float lambda);
@@ -59,6 +77,7 @@ bool diffuse_sample(const struct lobe *, enum side, struct vec3 arriving, float 
 
 float spectral_value_eval(const struct spectral_value *, float lambda);
 bool spectral_value_integral(const struct spectral_value *, float a, float b, double *integral);
+bool spectral_value_terms(const struct spectral_value *, struct part_terms *);
 static inline struct spectral_value spectral_flat(float scale)
 {
     return (struct spectral_value){.form = SPECTRAL_FLAT, .scale = scale};

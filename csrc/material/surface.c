@@ -123,24 +123,28 @@ void surface_chances(const struct surface *s, enum side side, struct vec3 arrivi
 
 /* --- Values ---------------------------------------------------------------------------------------------- */
 
+bool surface_lobe_at(const struct surface *s, const struct lobe *lobe, struct vec3 to_light,
+                     struct vec3 to_camera, struct vec3 *light, struct vec3 *camera, float *weight)
+{
+    struct frame frame;
+    if (lobe->kind->nature != LOBE_FINITE || !camera_frame(s, lobe, to_camera, &frame, camera) ||
+        !surface_in_frame(s, &frame, to_light, light))
+        return false;
+    *weight = lobe->weight * surface_view_weight(s, lobe, to_camera);
+    if (lobe->mapped && is_diffuse(lobe))
+        *weight *= terminator(s, lobe, to_light);
+    return *weight > 0;
+}
+
 float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3 to_camera, float lambda)
 {
-    float sum = 0, cosine = fabsf(dot(to_light, s->ng));
+    float sum = 0, weight, cosine = fabsf(dot(to_light, s->ng));
+    struct vec3 l, c;
     if (!s->has_elastic || cosine == 0)
         return 0;
-    for (int i = 0; i < s->lobe_count; i++) {
-        const struct lobe *lobe = &s->lobe[i];
-        struct vec3 l, c;
-        struct frame frame;
-        if (lobe->kind->nature != LOBE_FINITE || !camera_frame(s, lobe, to_camera, &frame, &c) ||
-            !surface_in_frame(s, &frame, to_light, &l))
-            continue;
-        float weight = lobe->weight * surface_view_weight(s, lobe, to_camera);
-        if (lobe->mapped && is_diffuse(lobe))
-            weight *= terminator(s, lobe, to_light);
-        if (weight > 0)
-            sum += weight * lobe->kind->evaluate(lobe, l, c, lambda);
-    }
+    for (int i = 0; i < s->lobe_count; i++)
+        if (surface_lobe_at(s, &s->lobe[i], to_light, to_camera, &l, &c, &weight))
+            sum += weight * s->lobe[i].kind->evaluate(&s->lobe[i], l, c, lambda);
     return sum / cosine;
 }
 

@@ -27,6 +27,10 @@ bool surface_in_frame(const struct surface *, const struct frame *, struct vec3 
 bool surface_drawing_frame(const struct surface *, const struct lobe *, enum side, struct vec3 arriving,
                            struct frame *, struct vec3 *local);
 
+/* How a lobe of finite density sees both directions, and its weight there. False where it has no value. */
+bool surface_lobe_at(const struct surface *, const struct lobe *, struct vec3 to_light, struct vec3 to_camera,
+                     struct vec3 *light, struct vec3 *camera, float *weight);
+
 /* Product of the mix factors that depend on the view, toward a direction. */
 float surface_view_weight(const struct surface *, const struct lobe *, struct vec3 direction);
 

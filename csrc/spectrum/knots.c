@@ -97,10 +97,12 @@ static void set_lines(struct spectrum *s)
 
 static void accumulate(struct spectrum *s)
 {
-    s->cumulative[0] = 0;
-    for (uint32_t i = 1; i < s->count; i++)
-        s->cumulative[i] = s->cumulative[i - 1] + 0.5 * ((double)s->value[i] + s->value[i - 1]) *
-                                                      ((double)s->lambda[i] - s->lambda[i - 1]);
+    s->cumulative[0] = s->second[0] = 0;
+    for (uint32_t i = 1; i < s->count; i++) {
+        double h = (double)s->lambda[i] - s->lambda[i - 1], v0 = s->value[i - 1], v1 = s->value[i];
+        s->cumulative[i] = s->cumulative[i - 1] + 0.5 * (v1 + v0) * h;
+        s->second[i] = s->second[i - 1] + h * (s->cumulative[i - 1] + h / 6 * (2 * v0 + v1));
+    }
 }
 
 struct spectrum *knots_finish(struct knots *k, const char *name, stokes_error *err)
@@ -113,12 +115,13 @@ struct spectrum *knots_finish(struct knots *k, const char *name, stokes_error *e
             .count = (uint32_t)k->count, .lambda = k->lambda, .value = k->value, .bucket_count = buckets};
         *k = (struct knots){0};
         s->cumulative = malloc(s->count * sizeof *s->cumulative);
+        s->second = malloc(s->count * sizeof *s->second);
         s->line = malloc(s->count * sizeof *s->line);
         s->guide = malloc(s->count * sizeof *s->guide);
         s->bucket = malloc(s->bucket_count * sizeof *s->bucket);
     }
     knots_free(k);
-    if (!s || !s->cumulative || !s->line || !s->guide || !s->bucket) {
+    if (!s || !s->cumulative || !s->second || !s->line || !s->guide || !s->bucket) {
         spectrum_destroy(s);
         fail(err, name, "spectrum", "out of memory");
         return NULL;
@@ -142,6 +145,7 @@ void spectrum_destroy(struct spectrum *s)
     free(s->lambda);
     free(s->value);
     free(s->cumulative);
+    free(s->second);
     free(s->line);
     free(s->guide);
     free(s->bucket);

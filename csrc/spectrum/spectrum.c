@@ -20,6 +20,20 @@ double spectrum_integral_to(const struct spectrum *s, float lambda_nm)
     return s->cumulative[i] + 0.5 * length * ((double)s->value[i] + segment_value(s, i, lambda_nm));
 }
 
+/* Within a segment the integral is a parabola, and its integral a cubic. Beyond Λ the integral stays what it is. */
+double spectrum_second_integral_to(const struct spectrum *s, float lambda_nm)
+{
+    float last = s->lambda[s->count - 1];
+    if (!(lambda_nm > s->lambda[0]))
+        return 0;
+    if (lambda_nm >= last)
+        return s->second[s->count - 1] + spectrum_integral(s) * ((double)lambda_nm - last);
+    uint32_t i = spectrum_segment(s, lambda_nm);
+    double h = (double)lambda_nm - s->lambda[i];
+    return s->second[i] +
+           h * (s->cumulative[i] + h / 6 * (2.0 * s->value[i] + segment_value(s, i, lambda_nm)));
+}
+
 float spectrum_max(const struct spectrum *s)
 {
     float max = s->value[0];

@@ -29,6 +29,7 @@ struct spectrum {
         float begin, end, value, slope; /* the segment after each knot; the last one goes on for ever */
     } *line;
     double *cumulative; /* ∫ from Λ.min to the knot */
+    double *second;     /* ∫ of that integral, from Λ.min to the knot */
     uint32_t *bucket;   /* first candidate segment of each bucket_nm-wide bucket of Λ */
     uint32_t bucket_count;
     float buckets_per_nm;
@@ -73,6 +74,7 @@ static inline float spectrum_eval(const struct spectrum *s, float lambda_nm)
 }
 double spectrum_integral(const struct spectrum *); /* over Λ */
 double spectrum_integral_to(const struct spectrum *, float lambda_nm); /* from Λ.min */
+double spectrum_second_integral_to(const struct spectrum *, float lambda_nm); /* ∫ spectrum_integral_to, from Λ.min */
 float spectrum_max(const struct spectrum *);
 float spectrum_min(const struct spectrum *);
 
