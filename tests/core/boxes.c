@@ -247,23 +247,34 @@ struct scene *world_scene(struct range range, float radiance_per_nm, int pixels)
     return scene;
 }
 
-struct scene *box_scene(struct range range, bool lenses, int pixels)
+static struct scene *box_of(struct range range, struct closure *floor, bool lenses, bool ball, int pixels)
 {
     static const float lamp[4][3] = {
         {-0.15f, -0.15f, 0.5f}, {-0.15f, 0.15f, 0.5f}, {0.15f, 0.15f, 0.5f}, {0.15f, -0.15f, 0.5f}};
     struct scene *scene = scene_create();
     stokes_error err;
     expect(scene_add_material(scene, "grey", box_diffuse(range, 0.6f), &err), &err);
-    expect(scene_add_material(scene, "dye", box_fluorescent(range, 0.8f, 0.8f), &err), &err);
+    expect(scene_add_material(scene, "dye", floor, &err), &err);
     expect(scene_add_material(scene, "glass", box_glass(1.5, 20), &err), &err);
     expect(scene_add_material(scene, "lamp", box_lamp(range, 0.1f), &err), &err);
     add_walls(scene);
     add_camera(scene, pixels);
     box_add_quad(scene, "lamp", "lamp", lamp);
-    box_add_sphere(scene, "ball", "glass", lenses ? (float[3]){0, 0, 0.5f} : (float[3]){0.3f, 0.3f, -0.5f},
-                   lenses ? 0.35f : 0.4f);
+    if (ball)
+        box_add_sphere(scene, "ball", "glass", lenses ? (float[3]){0, 0, 0.5f} : (float[3]){0.3f, 0.3f, -0.5f},
+                       lenses ? 0.35f : 0.4f);
     if (lenses)
         box_add_sphere(scene, "lens", "glass", (float[3]){0, -0.45f, 0}, 0.3f);
     commit(scene, range);
     return scene;
+}
+
+struct scene *box_scene(struct range range, bool lenses, int pixels)
+{
+    return box_of(range, box_fluorescent(range, 0.8f, 0.8f), lenses, true, pixels);
+}
+
+struct scene *grey_box_scene(struct range range, int pixels)
+{
+    return box_of(range, box_diffuse(range, 0.6f), false, false, pixels);
 }
