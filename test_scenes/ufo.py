@@ -121,7 +121,9 @@ def saucer(nodes):
         for a in (math.pi / 2 * i / steps for i in range(steps))
     ]
     lathe("Dome", dome + [(0.0, 0.02 + DOME_RADIUS)], glass, top)
-    dome_lamp(nodes).matrix_world = Matrix.Translation((top[0], top[1], top[2] + 0.45 * DOME_RADIUS))
+    dome_lamp(nodes).matrix_world = Matrix.Translation(
+        (top[0], top[1], top[2] + 0.45 * DOME_RADIUS)
+    )
 
 
 def dome_lamp(nodes):

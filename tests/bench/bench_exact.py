@@ -1,9 +1,9 @@
-"""`bdpt` against the others, scene by scene, in one run: mean squared error of luminance and of chroma against a long reference, at equal
-samples and at equal processor time, and what each is off by. Writes a table and plots.
+"""`bdpt` against the others, scene by scene, in one run: mean squared error of luminance and of chroma against a long
+reference, at equal samples and at equal processor time, and what each is off by. Writes a table and plots.
 
-The reference is `bdpt` too (its agreement with `pt_nee` is what tests/system proves, and the table shows again), in two halves A and B of
-other seeds: the mean of (x − A)(x − B) is the mean squared error of x without the reference's own noise. Integrators take turns, so that a
-slow minute slows them all."""
+The reference is `bdpt` too (its agreement with `pt_nee` is what tests/system proves, and the table shows again), in
+two halves A and B of other seeds: the mean of (x − A)(x − B) is the mean squared error of x without the reference's
+own noise. Integrators take turns, so that a slow minute slows them all."""
 
 import argparse
 import hashlib
@@ -88,9 +88,7 @@ class Reference:
         """Mean squared error of luminance and of chroma over (mean Y)²."""
         a, b = (channels(half[self.counted]) for half in self.halves)
         x = channels(picture[self.counted])
-        return np.array(
-            [((x[i] - a[i]) * (x[i] - b[i])).sum(axis=-1).mean() / self.mean[1] ** 2 for i in range(2)]
-        )
+        return np.array([((x[i] - a[i]) * (x[i] - b[i])).sum(axis=-1).mean() / self.mean[1] ** 2 for i in range(2)])
 
     def noise(self):
         """Of its mean X, Y, Z, %."""
@@ -160,9 +158,11 @@ def table(name, reference, results):
     lines = [
         "## %s" % bench_scenes.TITLES[name],
         "",
-        "%.1f %% of the pixels show a lamp or lie beside one, and are left out." % (100 * (1 - reference.counted.mean())),
+        "%.1f %% of the pixels show a lamp or lie beside one, and are left out."
+        % (100 * (1 - reference.counted.mean())),
         "",
-        "| integrator | µs a sample | n·MSE luminance | n·MSE chroma | at equal time: luminance | chroma | off by, %: X | Y | Z |",
+        "| integrator | µs a sample | n·MSE luminance | n·MSE chroma "
+        "| at equal time: luminance | chroma | off by, %: X | Y | Z |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     base = next(r for r in results if r.method.integrator == "bdpt" and not (r.method.lanes or 1) > 1)
@@ -193,17 +193,24 @@ def verdict(reference, results):
     for channel, what in enumerate(("luminance", "chroma")):
         first, second = (min(group, key=lambda r: r.cost() * r.noise()[0][channel]) for group in (exact, low))
         ratio = second.cost() * second.noise()[0][channel] / (first.cost() * first.noise()[0][channel])
-        parts.append("in %s %.2f times that of `bdpt` (%s against %s)" % (what, ratio, second.method.label(), first.method.label()))
-    return "At equal time the squared error of the best `mbdpt` that is off by less than %g %% is %s." % (BIAS_LIMIT, ", ".join(parts))
+        parts.append(
+            "in %s %.2f times that of `bdpt` (%s against %s)"
+            % (what, ratio, second.method.label(), first.method.label())
+        )
+    return "At equal time the squared error of the best `mbdpt` that is off by less than %g %% is %s." % (
+        BIAS_LIMIT,
+        ", ".join(parts),
+    )
 
 
 HEAD = """# Exact connections against the rest
 
-n·MSE is the mean squared error over (mean Y)² times the number of samples per pixel: what one sample has. "At equal time" is how much
-less squared error a second of processor time leaves than `bdpt` (without lanes) does: above 1× is better than it. Luminance is Y; chroma is
-(X/Xn − Y, Z/Zn − Y). ± is one standard error; – stands where a fifth of the light or more is missing. `lt` leaves out what the camera sees in mirrors and glass.
-Pixels that show a lamp, directly or in a mirror, do not count: every integrator but `lt` gets them in the same way, and they are so bright that their noise
-would be all of the error.
+n·MSE is the mean squared error over (mean Y)² times the number of samples per pixel: what one sample has. "At equal
+time" is how much less squared error a second of processor time leaves than `bdpt` (without lanes) does: above 1× is
+better than it. Luminance is Y; chroma is (X/Xn − Y, Z/Zn − Y). ± is one standard error; – stands where a fifth of the
+light or more is missing. `lt` leaves out what the camera sees in mirrors and glass. Pixels that show a lamp, directly
+or in a mirror, do not count: every integrator but `lt` gets them in the same way, and they are so bright that their
+noise would be all of the error.
 %s
 """
 

@@ -44,9 +44,7 @@ def room(out):
         out.send("material", name=side, surface=paint(side))
     positions, triangles = scenes.cube()
     middle = positions[triangles].mean(axis=1)
-    scenes.mesh(
-        out, "room", positions, triangles, np.where(middle[:, 2] < -0.9, 1, np.where(middle[:, 0] > 0.9, 2, 0))
-    )
+    scenes.mesh(out, "room", positions, triangles, np.where(middle[:, 2] < -0.9, 1, np.where(middle[:, 0] > 0.9, 2, 0)))
     scenes.instance(out, "room", list(SIDES))
 
 
@@ -61,10 +59,10 @@ def panel(out, emission):
     out.send("light", name="lamp", kind="rectangle", transform=place, size=[0.5, 0.5], emission=emission)
 
 
-def box(path, resolution, emission=daylight(40)):
+def box(path, resolution, emission=None):
     with scenes.stream.Recorder(path) as out:
         room(out)
-        panel(out, emission)
+        panel(out, emission or daylight(40))
         eye(out, resolution)
         out.send("render", samples=[0, 16])
 

@@ -1,6 +1,6 @@
-"""What the theory says of colour bias (supplemental §4.4, §5.2): how much of a kernel lies within the wavelengths that there are, and the
-colour that (2,2)-paths then have. Light and camera sub-path of such a path meet at two diffuse walls: first the wall that the light
-reaches, where the kernel is, then the one that the camera sees."""
+"""What the theory says of colour bias (supplemental §4.4, §5.2): how much of a kernel lies within the wavelengths
+that there are, and the colour that (2,2)-paths then have. Light and camera sub-path of such a path meet at two
+diffuse walls: first the wall that the light reaches, where the kernel is, then the one that the camera sees."""
 
 import numpy as np
 

@@ -1,5 +1,6 @@
-"""The supplemental's model on a grid of wavelengths: the fluorescent material, and its elastic term spread by each kernel.
-A matrix M[o, i] is a density per nm of leaving wavelength o, for light that comes in at wavelength i. Nothing here is shared with the core."""
+"""The supplemental's model on a grid of wavelengths: the fluorescent material, and its elastic term spread by each
+kernel. A matrix M[o, i] is a density per nm of leaving wavelength o, for light that comes in at wavelength i. Nothing
+here is shared with the core."""
 
 import numpy as np
 

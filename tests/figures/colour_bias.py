@@ -20,7 +20,9 @@ PIXELS, SAMPLES = (8, 512) if kit.QUICK else (12, 4096)
 MORE = {10: 8, 20: 4, 50: 2, 100: 1}  # times SAMPLES: a narrow kernel joins few paths
 ZOOM = 0.25  # of the whole view: the middle of the back wall
 BINS = (20, *LAMBDA)
-LIGHT_IS_WHITE = colour.WHITE / acceptance.white(NM) * acceptance.white(NM)[1]  # pictures are shown adapted to the even light
+LIGHT_IS_WHITE = (
+    colour.WHITE / acceptance.white(NM) * acceptance.white(NM)[1]
+)  # pictures are shown adapted to the even light
 
 
 def reflectance(name):
@@ -50,8 +52,8 @@ def even(low, high):
 
 
 def scene(name, walls, kernel="constant", close=True, light=None, low=LAMBDA[0]):
-    """The box of test_scenes/bias.py whose `walls` have the reflectance `name`, with Λ from `low`. `light`: a shape instead of the even
-    one of all of Λ."""
+    """The box of test_scenes/bias.py whose `walls` have the reflectance `name`, with Λ from `low`. `light`: a shape
+    instead of the even one of all of Λ."""
     recording = kit.recorded(plots.WORK, "bias", (160, 160), "--walls", walls, name="bias-green-" + walls)
     settings = {"lambda_min": low, "lambda_max": LAMBDA[1], "kernel": kernel, "mollify_side": "light"}
 
@@ -73,7 +75,12 @@ def scene(name, walls, kernel="constant", close=True, light=None, low=LAMBDA[0])
 def knows(kernel):
     """Whether the core has this kernel."""
     path = scene("grey", "all", kernel)
-    return subprocess.run([kit.CORE, "render", path, "-o", plots.WORK / "try.exr", "--spp", "1", "-q"], capture_output=True).returncode == 0
+    return (
+        subprocess.run(
+            [kit.CORE, "render", path, "-o", plots.WORK / "try.exr", "--spp", "1", "-q"], capture_output=True
+        ).returncode
+        == 0
+    )
 
 
 def reference(name, walls):
@@ -113,7 +120,8 @@ def predicted(name, walls, kernel, d):
 
 
 def noise(picture, luminance):
-    """What the noise of a picture's mean does to ΔE: half the difference between halves of its pixels, over many ways to halve it."""
+    """What the noise of a picture's mean does to ΔE: half the difference between halves of its pixels, over many ways
+    to halve it."""
     pixels, chance = picture.reshape(-1, 3), np.random.default_rng(1)
     halves = (chance.permutation(pixels).reshape(2, -1, 3).mean(axis=1) for _ in range(32))
     return float(np.mean([difference(a, b, luminance) / 2 for a, b in halves]))
@@ -157,7 +165,9 @@ def strip(name, title, walls, kernel):
             above.text(2 * PIXELS - 0.2, y, "%d" % d, ha="left", va="center", fontsize=7)
         below.plot(WIDTHS, patch.predicted, "-", color="#444444", label="predicted")
         if patch.measured:
-            below.errorbar(WIDTHS, patch.measured, patch.noise, fmt="o", color="#c1121f", markersize=4, label="measured")
+            below.errorbar(
+                WIDTHS, patch.measured, patch.noise, fmt="o", color="#c1121f", markersize=4, label="measured"
+            )
         below.set_xscale("log")
         below.set_xticks(WIDTHS, [str(d) for d in WIDTHS])
         below.minorticks_off()
@@ -166,7 +176,9 @@ def strip(name, title, walls, kernel):
     axes[1][0].set_ylabel("ΔE2000 from the reference")
     axes[1][0].legend(loc="upper left")
     note = "" if knows(kernel) else "\n(this core has no asymmetric kernel: patches and lines are predicted)"
-    figure.suptitle(title + "\nleft half: path traced; right half: mollified with d = 10, 20, 50, 100 nm from top to bottom" + note)
+    figure.suptitle(
+        title + "\nleft half: path traced; right half: mollified with d = 10, 20, 50, 100 nm from top to bottom" + note
+    )
     figure.tight_layout()
     plots.save(figure, name)
     return patches
@@ -180,7 +192,11 @@ def figure_8():
         xyz = kit.picture_of(path, plots.WORK / "bias.exr", integrator="bdpt", spp=8 if kit.QUICK else 64)
         plots.picture(panel, xyz * LIGHT_IS_WHITE, colour.exposure(xyz, 95), title)
         half = ZOOM * len(xyz) / 2
-        panel.add_patch(plt.Rectangle((len(xyz) / 2 - half, len(xyz) / 2 - half), 2 * half, 2 * half, fill=False, color="white", lw=0.8))
+        panel.add_patch(
+            plt.Rectangle(
+                (len(xyz) / 2 - half, len(xyz) / 2 - half), 2 * half, 2 * half, fill=False, color="white", lw=0.8
+            )
+        )
     figure.suptitle("The boxes of the colour bias tests, here in green; the square is what figures 9 to 13 show")
     figure.tight_layout()
     plots.save(figure, "figure-08-boxes")
@@ -207,7 +223,8 @@ def whole_light(low):
 
 
 def measured_whole(light, d, kernel="constant", low=LAMBDA[0]):
-    """Of all the energy of a light (a shape), what mollified (2,2)-paths bring to the wavelengths that the camera sees."""
+    """Of all the energy of a light (a shape), what mollified (2,2)-paths bring to the wavelengths that the camera
+    sees."""
     path = scene("grey", "all", kernel, light=light, low=low)
     return bins_of(path, "mbdpt", d, SAMPLES * MORE[d])[1].sum() / whole_light(low)
 
@@ -220,7 +237,9 @@ def figure_9():
             if knows(kernel):
                 nm, ratio = measured_shares(kernel, d)
                 panel.plot(nm, ratio, "o", color=color, markersize=2.5)
-        panel.set_title("%s kernel%s" % (kernel, "; dots: rendered" if knows(kernel) else " (predicted; not in this core)"))
+        panel.set_title(
+            "%s kernel%s" % (kernel, "; dots: rendered" if knows(kernel) else " (predicted; not in this core)")
+        )
         panel.set_xlabel("camera wavelength (nm)")
         panel.set_ylim(0, 1.2)
     axes[0].set_ylabel("mollified / exact radiance")

@@ -1,5 +1,5 @@
-"""Convergence animations (supplemental §5.1): all integrators side by side at 1, 2, 4, … samples per pixel, from one render's snapshots
-each; as GIF and as PNG frames."""
+"""Convergence animations (supplemental §5.1): all integrators side by side at 1, 2, 4, … samples per pixel, from one
+render's snapshots each; as GIF and as PNG frames."""
 
 from PIL import Image
 
@@ -55,7 +55,11 @@ def animate(name):
         frames.append(Image.open(path).convert("RGB").quantize(256))
     durations = [FRAME_MS] * (len(frames) - 1) + [LAST_MS]
     frames[0].save(
-        plots.FOLDER / ("convergence-%s.gif" % name), save_all=True, append_images=frames[1:], duration=durations, loop=0
+        plots.FOLDER / ("convergence-%s.gif" % name),
+        save_all=True,
+        append_images=frames[1:],
+        duration=durations,
+        loop=0,
     )
     kit.say("  convergence-%s.gif and %d frames" % (name, len(frames)))
 

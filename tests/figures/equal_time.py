@@ -1,6 +1,6 @@
-"""Equal-time comparison of the integrators on spheres, UFO and lens against a long reference: the benchmark's tables and plots."""
+"""Equal-time comparison of the integrators on spheres, UFO and lens against a long reference: the benchmark's tables
+and plots."""
 
-import bench_scenes
 import bench_exact as benchmark
 import bench_plots
 import kit

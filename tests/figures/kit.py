@@ -48,8 +48,8 @@ def cpu_seconds():
 
 
 def render(scene, out, snapshots=False, flags=(), **options):
-    """Renders to `out` (EXR); returns processor seconds. Options are those of `stokes render`, with _ for -; `flags` those that
-    take no value."""
+    """Renders to `out` (EXR); returns processor seconds. Options are those of `stokes render`, with _ for -; `flags`
+    those that take no value."""
     out = pathlib.Path(out)
     out.parent.mkdir(parents=True, exist_ok=True)
     words = ["render", scene, "-o", out, "--quiet", *["--snapshots"] * snapshots, *flags]

@@ -1,5 +1,5 @@
-"""Figure 7: the lens scene at 4, 32, 256 and 1024 samples per pixel, unmollified and mollified with several (d0, s); and whether what
-the supplemental says of it (§4.3) holds here."""
+"""Figure 7: the lens scene at 4, 32, 256 and 1024 samples per pixel, unmollified and mollified with several (d0, s);
+and whether what the supplemental says of it (§4.3) holds here."""
 
 import numpy as np
 
@@ -82,8 +82,8 @@ def claim(text, first, second):
 
 
 def overtaking(preview, column, shrink):
-    """When, in luminance, a kernel that shrinks overtakes one that does not: the error² of the latter is a bias² that stays and a variance
-    ∝ 1/n, that of the former a variance ∝ n^(s−1), for a sample's variance goes with 1/d_n."""
+    """When, in luminance, a kernel that shrinks overtakes one that does not: the error² of the latter is a bias² that
+    stays and a variance ∝ 1/n, that of the former a variance ∝ n^(s−1), for a sample's variance goes with 1/d_n."""
     early, late = (preview.at(count)[0] ** 2 for count in (256, 1024))
     bias_squared = (4 * late - early) / 3
     if bias_squared <= 0:
@@ -102,7 +102,9 @@ def claims(shown):
         lines += claim("at 4 spp d0 = 100 nm, s = 0 errs less than the unmollified BDPT", preview.at(4), plain.at(4))
         lines += claim("at 1024 spp a shrinking kernel errs less than the unmollified BDPT", best, plain.at(1024))
     else:
-        lines += ["- this core has no `--shared-wavelength`: the unmollified BDPT is left out, and what compares with it"]
+        lines += [
+            "- this core has no `--shared-wavelength`: the unmollified BDPT is left out, and what compares with it"
+        ]
     lines += claim("at 1024 spp a shrinking kernel errs less than d0 = 100 nm, s = 0", best, preview.at(1024))
     for (d0, s), column in zip([kernel for kernel in KERNELS if kernel[1] > 0], shrinking):
         lines.append("    - d0 = %g nm, s = %g: %s" % (d0, s, overtaking(preview, column, s)))

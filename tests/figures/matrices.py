@@ -1,4 +1,5 @@
-"""Figures 1 to 3: a fluorescent material, its reradiation matrix, and what each kernel makes of it; column sums show the energy."""
+"""Figures 1 to 3: a fluorescent material, its reradiation matrix, and what each kernel makes of it; column sums show
+the energy."""
 
 import bispectral
 import plots
@@ -74,7 +75,11 @@ def figure_2():
         ("$r(\\lambda)$ mollified with $f_{mi}$", bispectral.incident_reflectance),
         ("$(1-ca(\\lambda))\\,r(\\lambda)$ mollified with $f_{mi}$", bispectral.incident_diagonal),
     ]
-    two("figure-02-incident", "Incident mollification, d = %g nm: on the whole diagonal it makes energy" % WIDTH, kernels)
+    two(
+        "figure-02-incident",
+        "Incident mollification, d = %g nm: on the whole diagonal it makes energy" % WIDTH,
+        kernels,
+    )
 
 
 def figure_3():

@@ -1,4 +1,5 @@
-"""Spectra for figures: the core's library, and upsampled colours [JH19], fitted here from the method's description to check the core's."""
+"""Spectra for figures: the core's library, and upsampled colours [JH19], fitted here from the method's description to
+check the core's."""
 
 import functools
 
@@ -33,7 +34,8 @@ def emitted(dye, nm):
 
 @functools.lru_cache(maxsize=None)
 def sigmoid_of(rgb):
-    """Coefficients (of x = (λ − 360)/470) of the smooth reflectance whose colour under D65 is this linear sRGB [JH19]."""
+    """Coefficients (of x = (λ − 360)/470) of the smooth reflectance whose colour under D65 is this linear sRGB
+    [JH19]."""
     nm = np.arange(360.0, 831.0)
     x = (nm - 360) / 470
     white = np.interp(nm, *(lambda t: (t.nm, t.values))(colour.exact.d65()))
@@ -58,8 +60,8 @@ def upsampled(rgb, nm):
 
 
 def measured_reflectance(surface, folder, bins=(47, 360, 830), samples=256):
-    """What the core itself reflects: bins of a diffuse plane under an even sky over those of a white one, both with the same random
-    numbers, so that their noise cancels. Wavelengths and reflectance."""
+    """What the core itself reflects: bins of a diffuse plane under an even sky over those of a white one, both with
+    the same random numbers, so that their noise cancels. Wavelengths and reflectance."""
     means = []
     for name, reflectance in (("white", 1.0), ("surface", surface)):
         path = folder / ("plane-%s.stokes" % name)

@@ -45,7 +45,9 @@ def test_these_kernels_can_make_energy(kernel):
 
 def test_the_constant_kernel_keeps_every_photon():
     """Eq. 13: a white elastic surface sends out as many as it gets, a symmetric kernel being the reason."""
-    white = bispectral.Material(np.ones_like(bispectral.GRID), np.zeros_like(bispectral.GRID), np.ones_like(bispectral.GRID))
+    white = bispectral.Material(
+        np.ones_like(bispectral.GRID), np.zeros_like(bispectral.GRID), np.ones_like(bispectral.GRID)
+    )
     assert bispectral.photons(bispectral.constant(white, D))[INSIDE] == pytest.approx(1, abs=0.011)
     for material in random_materials():
         assert bispectral.photons(material.matrix(bispectral.constant(material, D))).max() <= 1 + 0.011
@@ -53,14 +55,18 @@ def test_the_constant_kernel_keeps_every_photon():
 
 def test_the_asymmetric_kernel_makes_photons():
     """§2.2: the same energy at longer wavelengths is more of them, here by d over the wavelength."""
-    white = bispectral.Material(np.ones_like(bispectral.GRID), np.zeros_like(bispectral.GRID), np.ones_like(bispectral.GRID))
+    white = bispectral.Material(
+        np.ones_like(bispectral.GRID), np.zeros_like(bispectral.GRID), np.ones_like(bispectral.GRID)
+    )
     made = bispectral.photons(bispectral.asymmetric(white, D))[INSIDE]
     assert made == pytest.approx(1 + D / bispectral.GRID[INSIDE], abs=0.01)
 
 
 def test_a_box_in_both_variables_is_a_tent():
     """f_mb of an even diagonal: support |Δ| < d, peak 1/d (algorithm.md §3)."""
-    white = bispectral.Material(np.ones_like(bispectral.GRID), np.zeros_like(bispectral.GRID), np.ones_like(bispectral.GRID))
+    white = bispectral.Material(
+        np.ones_like(bispectral.GRID), np.zeros_like(bispectral.GRID), np.ones_like(bispectral.GRID)
+    )
     middle = len(bispectral.GRID) // 2
     shift = bispectral.GRID - bispectral.GRID[middle]
     tent = np.clip(1 - np.abs(shift) / D, 0, None) / D
@@ -93,3 +99,46 @@ def test_what_light_and_camera_lose_is_the_same_light(kernel):
 def test_differences_are_the_published_ones(first, second, wanted):
     found = colour.delta_e(np.array(first, dtype=float), np.array(second, dtype=float))
     assert found == pytest.approx(wanted, abs=5e-5)
+
+
+@pytest.mark.parametrize("kind, quantum", [("quantum", True), ("energy", False)])
+def test_the_cores_matrix_of_a_dye_is_the_models(tmp_path, kind, quantum):
+    """Eq. 2 and what is re-emitted, band by band: the core's export against the model on its grid."""
+    import kit
+
+    tables = {
+        "reflectance": ([300, 500, 650, 830], [0.3, 0.9, 0.5, 0.8]),
+        "absorption": ([320, 420, 480, 560], [0, 0.9, 0.7, 0]),
+        "emission": ([480, 540, 640], [0, 1, 0]),
+    }
+    surface = {name: {"table": {"lambda": nm, "value": value}} for name, (nm, value) in tables.items()}
+    with kit.stream.Recorder(tmp_path / "dye.stokes") as out:
+        out.send(
+            "material",
+            name="dye",
+            surface=dict(surface, bsdf="fluorescent", concentration=0.8, **{"yield": 0.6, "yield_kind": kind}),
+        )
+        kit.scenes.mesh(out, "dye", *kit.scenes.cube())
+        kit.scenes.instance(out, "dye", ["dye"])
+        kit.scenes.camera(out)
+        out.send("render", samples=[0, 1])
+    kit.stokes("matrix", "export", tmp_path / "dye.stokes", "dye", "-o", tmp_path / "dye.csv", "--bands", "305,825,10")
+    found = kit.scenes.exact.Matrix.read(tmp_path / "dye.csv").share
+
+    r, a, e = (
+        np.interp(bispectral.GRID, *tables[name], **outside)
+        for name, outside in (
+            ("reflectance", {}),
+            ("absorption", {"left": 0, "right": 0}),
+            ("emission", {"left": 0, "right": 0}),
+        )
+    )
+    model = bispectral.Material(r, a, e, 0.8, 0.6)
+    if not quantum:
+        model.energy_yield = np.minimum(0.6, bispectral.GRID / bispectral.integral(model.e * bispectral.GRID))
+    fine = model.fluorescent() * bispectral.STEP + np.diag(model.diagonal())
+    bands = (
+        fine.reshape(53, 10, 53, 10).sum(axis=1).mean(axis=2)
+    )  # shares add up over what leaves, and are means over what arrives
+    assert found == pytest.approx(bands, abs=2e-3)
+    assert found.sum(axis=0) == pytest.approx(bands.sum(axis=0), abs=2e-3)

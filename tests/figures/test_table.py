@@ -28,7 +28,10 @@ def test_the_table_holds_every_equation_and_figure():
 @pytest.mark.parametrize("path, name", NAMES, ids=[":".join(pair) for pair in NAMES])
 def test_a_named_function_is_in_its_file(path, name):
     source = (ROOT / path).read_text(encoding="utf-8")
-    assert re.search(r"^(?:def |class |(?:[\w*]+ )*\**)%s\b(?:\(|:| =)" % name, source, re.M), "%s has no %s" % (path, name)
+    assert re.search(r"^(?:def |class |(?:[\w*]+ )*\**)%s\b(?:\(|:| =)" % name, source, re.M), "%s has no %s" % (
+        path,
+        name,
+    )
 
 
 @pytest.mark.parametrize("path", FILES)
@@ -39,9 +42,13 @@ def test_a_named_file_is_there(path):
 def drawn_names():
     """Patterns of all names, with or without a place to fill, that scripts and notebook speak of."""
     scripts = [path for path in (*HERE.glob("*.py"), *HERE.glob("*.ipynb")) if path.name != pathlib.Path(__file__).name]
-    words = {word for path in scripts for word in re.findall(r"[\w%/.-]+", path.read_text(encoding="utf-8")) if "-" in word}
+    words = {
+        word for path in scripts for word in re.findall(r"[\w%/.-]+", path.read_text(encoding="utf-8")) if "-" in word
+    }
     stems = {re.sub(r"\.(?:png|gif)$", "", word.rpartition("/")[2]) for word in words}
-    return [re.escape(stem).replace("%s", r"[\w-]+").replace("%d", r"\d+") for stem in stems if re.match(r"\w{3}", stem)]
+    return [
+        re.escape(stem).replace("%s", r"[\w-]+").replace("%d", r"\d+") for stem in stems if re.match(r"\w{3}", stem)
+    ]
 
 
 @pytest.mark.parametrize("name", PICTURES)

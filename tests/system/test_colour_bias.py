@@ -1,5 +1,6 @@
-"""Colour bias (algorithm.md §8, supplemental §4.4): what mollified (2,2)-paths show in a closed sphere is the exact light of two bounces with
-the kernel between the first wall and the second: colours blur, and the ends of Λ lose light."""
+"""Colour bias (algorithm.md §8, supplemental §4.4): what mollified (2,2)-paths show in a closed sphere is the exact
+light of two bounces with the kernel between the first wall and the second: colours blur, and the ends of Λ lose
+light."""
 
 import numpy as np
 import pytest
@@ -22,8 +23,8 @@ def spread(values, d):
 
 
 def two_bounces(material, light, area, lit, d, side):
-    """Radiance of the wall that light leaves after two reflections; d = 0 for the exact one. With the kernel at the first wall the
-    second reflects at the camera's wavelength; at the second, f_mo reflects at the incident one."""
+    """Radiance of the wall that light leaves after two reflections; d = 0 for the exact one. With the kernel at the
+    first wall the second reflects at the camera's wavelength; at the second, f_mo reflects at the incident one."""
     reflectance, power = material.elastic(), np.pi * lit * scenes.emission(light)[1]
     if not d:
         return reflectance**2 * power / (np.pi * area)
