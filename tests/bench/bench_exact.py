@@ -24,7 +24,7 @@ LAMP = 10.0  # times the median luminance: a pixel brighter than this shows a la
 MISSES = -20.0  # %, of Y: no comparison with a picture that lacks so much
 WHITE = np.array([0.95047, 1.0, 1.08883])
 SIZES = {  # resolution, samples of each half of the reference, seeds, samples
-    False: ((48, 36), 2048, 4, 128),
+    False: ((48, 36), 2048, 3, 64),
     True: ((32, 24), 256, 2, 32),
 }
 

@@ -52,7 +52,7 @@ def is_shown(method):
 def side_by_side(done, path):
     """A row for each scene: the reference, then each integrator with the samples that the same time allows."""
     columns = 1 + max(sum(is_shown(r.method) for r in results) for _, results in done.values())
-    figure, axes = plt.subplots(len(done), columns, figsize=(2.3 * columns, 2.05 * len(done)), squeeze=False)
+    figure, axes = plt.subplots(len(done), columns, figsize=(2.3 * columns, 2.3 * len(done)), squeeze=False)
     for axis in axes.flat:
         axis.set_axis_off()
     for row, (name, (reference, results)) in enumerate(done.items()):
