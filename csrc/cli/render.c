@@ -24,6 +24,8 @@ static const char help[] =
     "      --techniques LIST    only these light and camera vertex counts, as \"2,2 3,1\"; \"\" is all\n"
     "      --max-path N         edges of the longest path\n"
     "      --lanes N            wavelengths that each path carries: 1, 4 or 8\n"
+    "      --connectable-only   without the paths that no connection can make, such as a lamp seen through two\n"
+    "                           pieces of glass; the report says how much light they bring\n"
     "      --d0 NM              half-width of the first sample's spectral kernel\n"
     "      --shrink S           its exponent: the n-th sample has d0 n^-S\n"
     "      --spectral-bins N[:A:B]  spectral bins in the EXR, over A to B nm (default: the visible part of "
@@ -109,6 +111,7 @@ enum {
     OPTION_D0,
     OPTION_SHRINK,
     OPTION_BINS,
+    OPTION_CONNECTABLE_ONLY,
     OPTION_LANES,
     OPTION_SEED,
     OPTION_TIME_LIMIT,
@@ -121,6 +124,7 @@ static const struct option options[] = {
     {"integrator", required_argument, NULL, 'i'},
     {"techniques", required_argument, NULL, OPTION_TECHNIQUES},
     {"max-path", required_argument, NULL, OPTION_MAX_PATH},
+    {"connectable-only", no_argument, NULL, OPTION_CONNECTABLE_ONLY},
     {"lanes", required_argument, NULL, OPTION_LANES},
     {"d0", required_argument, NULL, OPTION_D0},
     {"shrink", required_argument, NULL, OPTION_SHRINK},
@@ -195,6 +199,7 @@ static bool read_option(int option, struct job *job)
     case 'h': job->shows_help = true; return true;
     case OPTION_TECHNIQUES: o->techniques = optarg; return true;
     case OPTION_MAX_PATH: return read_int(optarg, &o->max_path);
+    case OPTION_CONNECTABLE_ONLY: o->connectable_only = true; return true;
     case OPTION_LANES: return read_int(optarg, &o->lanes);
     case OPTION_D0: return cli_number(optarg, 0, 1e6, &o->d0_nm);
     case OPTION_SHRINK: return cli_number(optarg, 0, 1, &o->shrink);

@@ -37,6 +37,13 @@ static bool relight_sighting(const struct integrator *it, struct worker *w, uint
     return true;
 }
 
+static double cmf_sum(float lambda)
+{
+    float cmf[3];
+    cmf_eval(lambda, cmf);
+    return (double)cmf[0] + (double)cmf[1] + (double)cmf[2];
+}
+
 static double edge_geometry(const struct vertex *last, const struct sighting *seen)
 {
     const struct light_point *light = seen->light;
@@ -71,6 +78,9 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
     if (!it->settings.technique[0][edges + 1] || !(geometry > 0) ||
         (light->distant && edges == 1 && it->settings.film_transparent))
         return;
+    bool connectable = next->arrival.connectable || !next->arrival.behind_specular;
+    if (it->settings.connectable_only && !connectable)
+        return;
     uint32_t dimension = DIM_GATHER + w->sightings++;
     if (strand && !relight_sighting(it, w, dimension, seen, strand, density))
         return;
@@ -95,6 +105,7 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
         if (it->cuts == CUTS_CHOSEN)
             weight[i] = mis_weight(it, &path);
         film_sample_add(it->film, &w->gathered, value * weight[i], lambda_film[i], it->kappa);
+        w->unconnected += connectable ? 0 : value * weight[i] * cmf_sum(lambda_film[i]);
         path.weight = weight[i];
         if (it->observe)
             it->observe(it->observer, &path, value * weight[i]);

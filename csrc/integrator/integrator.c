@@ -192,6 +192,16 @@ void integrator_destroy(struct integrator *it)
     free(it);
 }
 
+double integrator_unconnected_share(const struct integrator *it)
+{
+    double all = 0, unconnected = 0;
+    for (int i = 0; i < it->worker_count; i++) {
+        all += it->worker[i].all;
+        unconnected += it->worker[i].unconnected;
+    }
+    return all > 0 ? unconnected * it->kappa / all : 0;
+}
+
 bool integrator_splats(const struct integrator *it)
 {
     return it->splats;
@@ -207,6 +217,7 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     w->half_width_nm = (float)(settings->d0_nm * pow(sample + 1, -settings->shrink));
     w->camera.count = w->light.count = w->copy.count = 0;
     w->sightings = 0;
+    w->hole = 0;
     w->stamp++;
     film_sample_clear(it->film, &w->gathered);
     w->gathered.alpha = settings->film_transparent ? 0 : 1;
@@ -217,10 +228,11 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     }
     if (it->traces_light && (inside || it->splats))
         path_trace_light(it, w);
-    if (w->camera.count > 1)
-        w->gathered.alpha = 1;
+    if (w->camera.count > 1 || w->hole > 0)
+        w->gathered.alpha = 1 - w->hole;
     if (it->connects)
         (it->exact ? exact_connect_all : connect_all)(it, w);
     if (inside)
         film_add(it->film, x, y, &w->gathered);
+    w->all += w->gathered.xyz[0] + w->gathered.xyz[1] + w->gathered.xyz[2];
 }

@@ -25,6 +25,7 @@ struct integrator_settings {
     float lambda_min, lambda_max;
     float filter_width; /* pixels */
     bool film_transparent;
+    bool connectable_only; /* leave out paths that no connection can make */
     bool all_techniques;                            /* else only those with technique[s][t] */
     bool technique[TECHNIQUES_MAX][TECHNIQUES_MAX]; /* [s][t]: light and camera vertices */
     int spectral_bins;
@@ -44,6 +45,9 @@ const char *integrator_name_at(size_t index); /* NULL past the end */
 /* Traces global sample `sample` (from 0; n = sample + 1) of pixel (x, y) of the full frame and adds it to the film. A pixel outside
    the border traces only what may splat into it. Thread-safe for different workers. */
 void integrator_sample(struct integrator *, int worker, int x, int y, int sample);
+
+/* Share of the light (X+Y+Z) so far that came over paths which no connection can make: two neighbours that are not specular, they lack. */
+double integrator_unconnected_share(const struct integrator *);
 
 /* False if pixels outside the border can contribute nothing. */
 bool integrator_splats(const struct integrator *);

@@ -252,6 +252,9 @@ bool joint_camera_vertex(const struct integrator *it, const struct vertex *y, st
     float at[2], width = it->settings.filter_width;
     vertex_begin(x, VERTEX_CAMERA);
     x->unbounded = scene_camera_is_orthographic(it->scene);
+    const struct hit *seen = y->kind == VERTEX_SURFACE ? &y->hit : y->light.on_mesh ? &y->light.hit : NULL;
+    if (seen && scene_hit_is_holdout(it->scene, seen))
+        return false;
     if (y->kind == VERTEX_LIGHT && (y->unbounded || !scene_light_seen_by_camera(it->scene, &y->light)))
         return false;
     if (!scene_camera_connect(it->scene, y->position, width, u, &x->lens, at, pdf_direction))

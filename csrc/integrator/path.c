@@ -46,6 +46,17 @@ static bool passes(const struct worker *w, const struct flight *f, int pass, con
     return passed;
 }
 
+/* What the camera's own ray ends on may be a hole in the picture: all of an object, or the share of a material. True: all of it. */
+static bool is_hole(const struct integrator *it, struct worker *w, const struct material *material,
+                    const struct vertex *next, const struct flight *f)
+{
+    if (scene_hit_is_holdout(it->scene, &next->hit))
+        w->hole = 1;
+    else
+        w->hole = material_holdout(material, &next->hit, negate(f->ray.direction));
+    return w->hole >= 1;
+}
+
 /* Follows the ray to the next surface that scatters it; every emitter on the way is offered to `gather` (camera side).
    Returns false when the path ends: it left the scene, or met only glass-clear surfaces for too long. */
 static bool fly(const struct integrator *it, struct worker *w, enum side side, struct flight *f,
@@ -62,7 +73,7 @@ static bool fly(const struct integrator *it, struct worker *w, enum side side, s
                 seen.far = length(sub(next->hit.position, f->ray.origin));
             gather_lamps(it, w, &seen, f->passed, !met);
         }
-        if (!met)
+        if (!met || (next[-1].kind == VERTEX_CAMERA && is_hole(it, w, material, next, f)))
             return false;
         if (side == SIDE_CAMERA && next->hit.light >= 0)
             gather_surface(it, w, &next->hit, f->ray.direction, f->passed);
@@ -270,6 +281,8 @@ static void depart(const struct integrator *it, const struct worker *w, enum sid
     there->dyes = here->dyes + begins;
     there->disperses = !begins && (here->disperses || v->disperses);
     there->disperses_early = !begins && here->disperses;
+    there->behind_specular = v->label == LABEL_SPECULAR;
+    there->connectable = here->connectable || !(here->behind_specular || there->behind_specular);
     tally_pass(it, w, side, v, here, v->from, steps, there);
     arrival_fill(there, next->lambda_film, it->lanes);
 }
@@ -352,7 +365,7 @@ static void depart_end(const struct integrator *it, const struct worker *w, enum
     there->first = true;
     there->origin = end->arrival.origin;
     there->dyes = 0;
-    there->disperses = there->disperses_early = false;
+    there->disperses = there->disperses_early = there->behind_specular = there->connectable = false;
     memset(next->bounces, 0, sizeof next->bounces);
     struct surface_steps steps;
     memcpy(steps.pdf, end->own, sizeof steps.pdf);

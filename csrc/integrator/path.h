@@ -40,6 +40,8 @@ struct arrival {
     bool first;             /* that is the vertex before */
     int origin;             /* the source (light side) or sink (camera side) of wavelengths.h that it is */
     int dyes;               /* F vertices passed */
+    bool behind_specular;   /* the vertex before is specular */
+    bool connectable;       /* some two neighbours before this vertex are not */
     bool disperses;         /* some vertex of the run before this one does */
     bool disperses_early;   /* and some vertex before the previous one */
 };
@@ -139,6 +141,8 @@ struct sight;  /* joint.h */
 struct worker {
     struct subpath camera, light, copy;
     uint32_t sightings;      /* emitters met by this camera sub-path */
+    double all, unconnected; /* gathered light, X+Y+Z, since the integrator was made; for the report */
+    float hole;              /* how much of what the camera's ray met first is a hole in the picture */
     struct copying *copying; /* while `copy` is traced */
     struct random_path random;
     struct film_sample gathered;

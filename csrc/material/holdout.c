@@ -13,7 +13,6 @@ static bool compile(struct compiler *compiler, const struct closure *closure)
     struct lobe_plan *plan = compiler_add(compiler, closure, shade, NULL, NULL);
     if (plan)
         plan->is_holdout = true;
-    compiler_warn(compiler, "holdout", "is rendered black and opaque");
     return plan;
 }
 

@@ -6,14 +6,6 @@
 #include "base/error.h"
 #include "scene/state.h"
 
-static void warn(const struct scene_setup *setup, const char *object, const char *property, const char *text)
-{
-    stokes_error what;
-    fail(&what, object, property, "%s", text);
-    if (setup->warn)
-        setup->warn(setup->user, &what);
-}
-
 /* --- Context ----------------------------------------------------------------------------------------- */
 
 static bool same_context(const struct material_context *a, const struct scene_setup *b)
@@ -237,7 +229,7 @@ static bool resolve_slots(struct scene *scene, struct instances *instances, stok
     return true;
 }
 
-static bool resolve_instances(struct scene *scene, const struct scene_setup *setup, stokes_error *err)
+static bool resolve_instances(struct scene *scene, stokes_error *err)
 {
     scene->transparent = false;
     for (size_t i = 0; i < scene->instances.count; i++) {
@@ -248,8 +240,6 @@ static bool resolve_instances(struct scene *scene, const struct scene_setup *set
             if (instances->emitter[slot] >= 0 &&
                 !triangle_cdf_build(&instances->cdf[slot], instances, instances->mesh, NULL, slot))
                 return fail(err, instances->name, "emission", "no memory for its table of triangles");
-        if (instances->holdout)
-            warn(setup, instances->name, "holdout", "is rendered as an ordinary object");
     }
     return true;
 }
@@ -331,7 +321,7 @@ static bool commit_geometry(struct scene *scene, const struct scene_setup *setup
     if (scene->geometry_dirty && !scene_build_objects(scene, err))
         return false;
     if ((scene->geometry_dirty || scene->materials_dirty) &&
-        !(resolve_layers(scene, err) && resolve_instances(scene, setup, err)))
+        !(resolve_layers(scene, err) && resolve_instances(scene, err)))
         return false;
     if (scene->geometry_dirty && !accel_build(scene, setup, err))
         return false;

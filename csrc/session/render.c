@@ -404,6 +404,7 @@ bool stokes_session_render(stokes_session *session, const stokes_overrides *over
     session->rendered = render.settings;
     session_fingerprint(session, &session->rendered, session->fingerprint);
     bool good = !committed || trace(&render, picture_floats, err);
+    session->unconnected_share = render.integrator ? integrator_unconnected_share(render.integrator) : 0;
     if (good)
         finish(&render);
     integrator_destroy(render.integrator);

@@ -41,6 +41,9 @@ static void report_film(const stokes_session *session, const struct film *film, 
     text_line(out, "time: %.2f s, %.4g samples/s with %d threads", session->seconds,
               session->seconds > 0 ? pixel_samples / session->seconds : 0,
               session_threads(&session->rendered));
+    if (session->unconnected_share > 0)
+        text_line(out, "paths: %.3g %% of the light came over some that no connection makes",
+                  100 * session->unconnected_share);
     if (film->saturated > 0)
         text_line(out, "film: %" PRIu64 " sums reached the limit and stay there", film->saturated);
     if (film->rejected > 0)
@@ -96,7 +99,7 @@ void session_fingerprint(const stokes_session *session, const struct session_set
                          char text[SESSION_FINGERPRINT_BYTES])
 {
     const struct integrator_settings *s = &settings->integrator;
-    const int whole[] = {s->lanes,          s->kernel,          s->mollify_side,   s->max_path,         s->max_camera,
+    const int whole[] = {s->lanes,          s->connectable_only,        s->kernel,          s->mollify_side,   s->max_path,         s->max_camera,
                          s->max_light,       s->max_diffuse,    s->max_glossy,       s->max_transmission,
                          s->max_transparent, s->roulette_start, s->film_transparent, s->spectral_bins,
                          settings->uv_rule,  (int)s->seed};

@@ -53,6 +53,7 @@ struct stokes_session {
     bool cancelled;
     double share; /* of the first pass, where only a part of it was traced (film->part) */
     double seconds;
+    double unconnected_share; /* of the light, over paths that no connection makes */
     struct text report;
 };
 

@@ -233,15 +233,50 @@ struct scene *hidden_lamp_scene(struct range range, int pixels)
     return scene;
 }
 
-struct scene *world_scene(struct range range, float radiance_per_nm, int pixels)
+static void add_world(struct scene *scene, struct range range, float radiance_per_nm)
 {
-    struct scene *scene = scene_create();
     struct world_input world = {.scale = 1, .visible = {true, true, true, true, true}};
     stokes_error err;
     world.emission = calloc(1, sizeof *world.emission);
     world.emission->spectrum = spectrum_constant(range, radiance_per_nm);
     world.emission->scale = 1;
     expect(scene_set_world(scene, &world, &err), &err);
+}
+
+struct scene *world_scene(struct range range, float radiance_per_nm, int pixels)
+{
+    struct scene *scene = scene_create();
+    add_world(scene, range, radiance_per_nm);
+    add_camera(scene, pixels);
+    commit(scene, range);
+    return scene;
+}
+
+struct scene *hole_scene(struct range range, int pixels)
+{
+    static const float left[4][3] = {{-5, 2, -5}, {-5, 2, 5}, {0, 2, 5}, {0, 2, -5}};
+    static const float identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    static const uint32_t triangles[6] = {0, 1, 2, 0, 2, 3};
+    const char *material = "grey";
+    struct scene *scene = scene_create();
+    struct mesh_input mesh = {.name = "hole",
+                              .positions = left[0],
+                              .vertex_count = 4,
+                              .triangles = triangles,
+                              .triangle_count = 2};
+    struct instances_input instances = {.name = "hole",
+                                        .mesh = "hole",
+                                        .materials = &material,
+                                        .material_count = 1,
+                                        .transforms = identity,
+                                        .transform_count = 1,
+                                        .visible = {true, true, true, true, true},
+                                        .holdout = true};
+    stokes_error err;
+    expect(scene_add_material(scene, "grey", box_diffuse(range, 0.6f), &err), &err);
+    expect(scene_add_mesh(scene, &mesh, &err), &err);
+    expect(scene_add_instances(scene, &instances, &err), &err);
+    add_world(scene, range, 0.01f);
     add_camera(scene, pixels);
     commit(scene, range);
     return scene;

@@ -27,6 +27,9 @@ struct scene *world_scene(struct range, float radiance_per_nm, int pixels);
    the front. With `lenses`, the lamp hangs inside a ball of dispersive glass, and the camera looks through another. Committed. */
 struct scene *box_scene(struct range, bool lenses, int pixels);
 
+/* A constant world; the left half of the picture is an object that holds out. Committed. */
+struct scene *hole_scene(struct range, int pixels);
+
 /* The same box, all grey and without glass: nothing in it depends on the wavelength. Committed. */
 struct scene *grey_box_scene(struct range, int pixels);
 

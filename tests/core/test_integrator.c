@@ -102,6 +102,31 @@ static void a_wide_kernel_is_exact_on_grey(void **state)
     scene_destroy(scene);
 }
 
+/* Every technique respects it, light sub-paths too. */
+static void a_holdout_is_black_and_clear_and_the_rest_is_not(void **state)
+{
+    enum { PIXELS = 16, SAMPLES = 16 };
+    struct scene *scene = hole_scene(range, PIXELS);
+    int border[4] = {0, 0, PIXELS, PIXELS};
+    struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
+    struct integrator_settings settings = settings_of(*state, 4);
+    settings.filter_width = 0.1f;
+    struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
+    assert_non_null(it);
+    for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++)
+        for (int sample = 0; sample < SAMPLES; sample++)
+            integrator_sample(it, 0, pixel % PIXELS, pixel / PIXELS, sample);
+    for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++) {
+        const int64_t *sum = &film->sum[4 * pixel];
+        bool hole = pixel % PIXELS < PIXELS / 2;
+        assert_int_equal(sum[3], hole ? 0 : (int64_t)SAMPLES << FILM_FRACTION_BITS);
+        assert_true(hole ? sum[1] == 0 : sum[1] > 0);
+    }
+    integrator_destroy(it);
+    film_destroy(film);
+    scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -112,6 +137,9 @@ int main(void)
         cmocka_unit_test_prestate(what_only_the_camera_sees_lights_nothing, "pt_nee"),
         cmocka_unit_test_prestate(what_only_the_camera_sees_lights_nothing, "mbdpt"),
         cmocka_unit_test_prestate(what_only_the_camera_sees_lights_nothing, "bdpt"),
+        cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "pt_nee"),
+        cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "mbdpt"),
+        cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "bdpt"),
         cmocka_unit_test(a_wide_kernel_is_exact_on_grey),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
