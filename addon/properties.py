@@ -67,6 +67,12 @@ UV_RULES = (
     ('zero', "Black", "RGB colours reflect no ultraviolet at all"),
 )
 
+LANES = (
+    ('1', "1", "One wavelength a path"),
+    ('4', "4", "Four wavelengths a path"),
+    ('8', "8", "Eight wavelengths a path"),
+)
+
 # Operator presets: what a click on them sets. Members not named keep their value.
 PRESETS = {
     'PREVIEW': (
@@ -118,6 +124,7 @@ PRESETS = {
 # Settings whose name and value are the stream's own (STREAM.md, `settings`).
 _SAME_IN_STREAM = (
     "integrator",
+    "lanes",
     "seed",
     "d0",
     "shrink",
@@ -157,6 +164,13 @@ class StokesSettings(bpy.types.PropertyGroup):
         description="How light paths are found",
         items=INTEGRATORS,
         default='mbdpt',
+    )
+    lanes: EnumProperty(
+        name="Wavelengths",
+        description="How many wavelengths each path carries. More of them cost time and take away "
+        "colour noise, most of all where nothing disperses",
+        items=LANES,
+        default='1',
     )
     samples: IntProperty(
         name="Samples",
@@ -332,6 +346,7 @@ def stream_settings(scene, viewport=False, preview=False):
     """Members of the `settings` message for a final render, the viewport or a material preview."""
     settings = scene.stokes
     message = {name: _decimal(getattr(settings, name)) for name in _SAME_IN_STREAM}
+    message["lanes"] = int(message["lanes"])
     if settings.animate_seed:
         message["seed"] = (settings.seed + scene.frame_current) % (1 << 31)
     message["filter_width"] = _decimal(scene.render.filter_size)

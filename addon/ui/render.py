@@ -46,6 +46,7 @@ class STOKES_PT_sampling(RenderPanel, bpy.types.Panel):
         settings = context.scene.stokes
         column = column_of(self.layout)
         column.prop(settings, "integrator")
+        column.prop(settings, "lanes")
         column.separator()
         group = column.column(align=True)
         group.prop(settings, "samples", text="Samples")
