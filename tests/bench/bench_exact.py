@@ -119,6 +119,11 @@ class Result:
         error = means.std(axis=0, ddof=1) / np.sqrt(len(means))
         return means.mean(axis=0), np.hypot(error, reference.noise())
 
+    def misses(self, reference):
+        """Whether it surely lacks so much light that its error says nothing."""
+        bias, error = self.bias(reference)
+        return bias[1] < MISSES and bias[1] < -3 * error[1]
+
 
 def measure_scene(name, found, size, folder, progress):
     resolution, reference_samples, seeds, samples = size
@@ -170,7 +175,7 @@ def table(name, reference, results):
     for result in results:
         noise, error = result.noise()
         bias, bias_error = result.bias(reference)
-        gains = base_rate / (result.cost() * noise) * (bias[1] > MISSES)
+        gains = base_rate / (result.cost() * noise) * (not result.misses(reference))
         lines.append(
             "| %s | %.2f | %s | %s | %s | %s | %s | %s | %s |"
             % (

@@ -12,6 +12,7 @@ from plots import plt
 SCENES = ("spheres", "lens", "ufo")
 RESOLUTION, SAMPLES = ((40, 30), 32) if kit.QUICK else ((160, 120), 512)
 COLUMNS = {  # what is written above, and how it is rendered
+    "pt": {"integrator": "pt"},
     "pt_nee": {"integrator": "pt_nee"},
     "lt": {"integrator": "lt"},
     "bdpt": {"integrator": "bdpt"},
@@ -33,7 +34,7 @@ def snapshots(scene):
 
 
 def frame(path, title, shown, index, gain):
-    figure, axes = plt.subplots(1, len(shown), figsize=(2.9 * len(shown), 2.9))
+    figure, axes = plt.subplots(1, len(shown), figsize=(2.5 * len(shown), 2.6))
     for panel, (name, pictures) in zip(axes, shown.items()):
         plots.picture(panel, pictures[index], gain, name)
     figure.suptitle(title)

@@ -35,7 +35,9 @@ def test_a_named_function_is_in_its_file(path, name):
     if not defines(ROOT / path, name):
         room = (ROOT / path).parent.glob("*" + pathlib.Path(path).suffix)
         moved = [str(other.relative_to(ROOT)) for other in room if defines(other, name)]
-        pytest.fail("tests/figures/README.md names %s:%s; it is in %s" % (path, name, " and ".join(moved) or "no file there"))
+        pytest.fail(
+            "tests/figures/README.md names %s:%s; it is in %s" % (path, name, " and ".join(moved) or "no file there")
+        )
 
 
 @pytest.mark.parametrize("path", FILES)
