@@ -50,6 +50,29 @@ KERNELS = (
         "The reflectance is taken where the light arrives, the wavelength is blurred by a box. "
         "Conserves energy and photons",
     ),
+    (
+        'incident_reflectance',
+        "Incident Reflectance",
+        "The reflectance is taken where the light leaves, the absorption where it arrives",
+    ),
+    (
+        'incident',
+        "Incident",
+        "Reflectance and absorption are both taken where the light leaves. Can make energy that was "
+        "not there",
+    ),
+    (
+        'box',
+        "Box in Both",
+        "A box filter in the arriving and in the leaving wavelength. Can make energy where the "
+        "reflectance has steep edges",
+    ),
+    (
+        'asymmetric',
+        "Asymmetric",
+        "As Constant, but light leaves with longer wavelengths only, up to twice the width. Can make "
+        "photons that were not there",
+    ),
 )
 
 MOLLIFY_SIDES = (

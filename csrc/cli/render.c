@@ -31,6 +31,7 @@ static const char help[] =
     "      --spectral-bins N[:A:B]  spectral bins in the EXR, over A to B nm (default: the visible part of "
     "the\n"
     "                           scene's range); 0: none\n"
+    "      --kernel NAME        constant, incident_reflectance, incident, box or asymmetric\n"
     "      --seed N             another set of random numbers\n"
     "  -t, --threads N          0: all processors\n"
     "      --time-limit S       start no pass that would end later than so many seconds\n"
@@ -112,6 +113,7 @@ enum {
     OPTION_SHRINK,
     OPTION_BINS,
     OPTION_CONNECTABLE_ONLY,
+    OPTION_KERNEL,
     OPTION_LANES,
     OPTION_SEED,
     OPTION_TIME_LIMIT,
@@ -125,6 +127,7 @@ static const struct option options[] = {
     {"techniques", required_argument, NULL, OPTION_TECHNIQUES},
     {"max-path", required_argument, NULL, OPTION_MAX_PATH},
     {"connectable-only", no_argument, NULL, OPTION_CONNECTABLE_ONLY},
+    {"kernel", required_argument, NULL, OPTION_KERNEL},
     {"lanes", required_argument, NULL, OPTION_LANES},
     {"d0", required_argument, NULL, OPTION_D0},
     {"shrink", required_argument, NULL, OPTION_SHRINK},
@@ -200,6 +203,7 @@ static bool read_option(int option, struct job *job)
     case OPTION_TECHNIQUES: o->techniques = optarg; return true;
     case OPTION_MAX_PATH: return read_int(optarg, &o->max_path);
     case OPTION_CONNECTABLE_ONLY: o->connectable_only = true; return true;
+    case OPTION_KERNEL: o->kernel = optarg; return true;
     case OPTION_LANES: return read_int(optarg, &o->lanes);
     case OPTION_D0: return cli_number(optarg, 0, 1e6, &o->d0_nm);
     case OPTION_SHRINK: return cli_number(optarg, 0, 1, &o->shrink);

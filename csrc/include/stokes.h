@@ -61,6 +61,7 @@ typedef struct stokes_overrides {
     int lanes;                    /* 1, 4 or 8 wavelengths a path */
     int threads;                  /* 0: all processors */
     double d0_nm, shrink;
+    const char *kernel; /* "constant", … */
     int spectral_bins; /* 0: none */
     double bins_min_nm, bins_max_nm;
     const char *techniques; /* "2,2 3,1", NULL: the scene's own */

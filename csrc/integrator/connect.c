@@ -23,11 +23,13 @@ static void contribute(const struct integrator *it, struct worker *w, struct mee
 
 /* --- Both ends elastic ----------------------------------------------------------------------------------------- */
 
-/* The end of an E–E connection that takes the kernel: evaluated at the incident wavelength (f_mo, eq. 16), with the densities of
-   eqs. 25–26 in labelled space (algorithm.md §6). The kernel itself multiplies elsewhere. */
-static void mollified_end(struct joint *joint, enum side side, float half_width_nm)
+/* The end of an E–E connection that takes the kernel, with the densities of eqs. 25–26 in labelled space (algorithm.md §6). The kernel
+   itself multiplies elsewhere. */
+static void mollified_end(const struct integrator *it, struct joint *joint, enum side side,
+                          float half_width_nm)
 {
     enum side other = side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
+    enum kernel kernel = it->settings.kernel;
     struct joint_end *end = &joint->end[side];
     const struct vertex *v = end->vertex;
     struct vec3 to_other = side == SIDE_LIGHT ? joint->y_to_x : negate(joint->y_to_x);
@@ -35,11 +37,13 @@ static void mollified_end(struct joint *joint, enum side side, float half_width_
     struct vec3 to_camera = side == SIDE_LIGHT ? to_other : v->to_prev;
     for (int i = 0; i < joint->lanes; i++) {
         float own = end->at->lambda[i], edge = joint->lambda[i];
+        float in = side == SIDE_LIGHT ? own : edge, out = side == SIDE_LIGHT ? edge : own;
         end->steps.value[i] =
-            surface_elastic(&v->surface, to_light, to_camera, side == SIDE_LIGHT ? own : edge);
-        end->steps.pdf[i] = surface_pdf_mollified(&v->surface, side, v->to_prev, to_other, own, edge, half_width_nm);
-        end->steps.pdf_other[i] =
-            surface_pdf_mollified(&v->surface, other, to_other, v->to_prev, edge, own, half_width_nm);
+            surface_mollified(&v->surface, kernel, to_light, to_camera, in, out, half_width_nm);
+        end->steps.pdf[i] = surface_pdf_mollified_by(&v->surface, kernel, side, v->to_prev, to_other, own,
+                                                     edge, half_width_nm);
+        end->steps.pdf_other[i] = surface_pdf_mollified_by(&v->surface, kernel, other, to_other, v->to_prev,
+                                                           edge, own, half_width_nm);
         end->draw[i] = end->at->draw[i];
     }
 }
@@ -58,15 +62,15 @@ static void turn(const struct arrival *from, int lanes, int shift, struct arriva
     }
 }
 
-/* Lanes that the kernel k(λc|λl) = 1/(2d) accepts (algorithm.md §5) have density 2d for the two wavelengths' one; the others none. */
-static bool accept(const float light[LANES_MAX], const float camera[LANES_MAX], int lanes, float d,
-                   double density[LANES_MAX], double pairs)
+/* Lanes that the kernel accepts have density 1/k(λc|λl) for the two wavelengths' one (algorithm.md §5); the others none. */
+static bool accept(const struct integrator *it, const struct worker *w, const float light[LANES_MAX],
+                   const float camera[LANES_MAX], int lanes, int pairs, double density[LANES_MAX])
 {
     bool any = false;
     for (int i = 0; i < lanes; i++) {
-        bool within = fabsf(light[i] - camera[i]) < d;
-        density[i] = within ? 2 * (double)d * pairs : INFINITY;
-        any |= within;
+        float k = kernel_density(it->settings.kernel, light[i], camera[i], w->half_width_nm);
+        density[i] = pairs / (double)k;
+        any |= k > 0;
     }
     return any;
 }
@@ -87,15 +91,15 @@ static void join_elastic(const struct integrator *it, struct worker *w, struct m
             y->at = &turned;
         }
         m->joint.turned = shift;
-        if (!accept(y->at->lambda, x->at->lambda, joint->lanes, w->half_width_nm, density, shifts))
+        if (!accept(it, w, y->at->lambda, x->at->lambda, joint->lanes, shifts, density))
             continue;
         memcpy(joint->lambda, light_side ? x->at->lambda : y->at->lambda, sizeof joint->lambda);
         if (light_side) {
-            mollified_end(joint, SIDE_LIGHT, w->half_width_nm);
+            mollified_end(it, joint, SIDE_LIGHT, w->half_width_nm);
             joint_evaluate_end(it, joint, SIDE_CAMERA);
         } else {
             joint_evaluate_end(it, joint, SIDE_LIGHT);
-            mollified_end(joint, SIDE_CAMERA, w->half_width_nm);
+            mollified_end(it, joint, SIDE_CAMERA, w->half_width_nm);
         }
         contribute(it, w, m, density);
     }
@@ -129,8 +133,8 @@ static void join_fluorescent(const struct integrator *it, struct worker *w, stru
 }
 
 /* All pairs of labels of one connection. */
-static void join(const struct integrator *it, struct worker *w, struct meeting *m, const struct subpath *light,
-                 int s, const struct subpath *camera, int t, struct sight *sight)
+static void join(const struct integrator *it, struct worker *w, struct meeting *m,
+                 const struct subpath *light, int s, const struct subpath *camera, int t, struct sight *sight)
 {
     struct choice of_y[CHOICES_MAX], of_x[CHOICES_MAX];
     const struct vertex *y = &light->vertex[s - 1], *x = &camera->vertex[t - 1];

@@ -113,10 +113,11 @@ static void join_taps(const struct integrator *it, struct worker *w, const struc
             continue;
         for (int x = camera->first; x < camera->end; x++) {
             struct sight seen_once = {.stamp = 0};
-            if (!it->settings.technique[y + 1][x + 1] || !can_end(&camera->path->vertex[x], camera->group->as))
+            if (!it->settings.technique[y + 1][x + 1] ||
+                !can_end(&camera->path->vertex[x], camera->group->as))
                 continue;
-            join(it, w, &joint, light, y, camera, x, mu, copied ? &seen_once : &w->sight[y * PATH_VERTICES + x],
-                 NULL);
+            join(it, w, &joint, light, y, camera, x, mu,
+                 copied ? &seen_once : &w->sight[y * PATH_VERTICES + x], NULL);
         }
     }
 }
@@ -124,8 +125,9 @@ static void join_taps(const struct integrator *it, struct worker *w, const struc
 /* --- Runs against runs: the rows of the table ------------------------------------------------------------------ */
 
 /* The non-dispersive part of a group at mu. False if there is none, or nothing of its wavelengths arrives. */
-static bool plain_taps(const struct integrator *it, struct worker *w, enum side side, const struct subpath *path,
-                       const struct group *g, const struct bundle *mu, struct taps *taps)
+static bool plain_taps(const struct integrator *it, struct worker *w, enum side side,
+                       const struct subpath *path, const struct group *g, const struct bundle *mu,
+                       struct taps *taps)
 {
     *taps = (struct taps){path, g, g->first, g->dispersive, NULL};
     if (g->first == g->dispersive)
@@ -258,8 +260,8 @@ struct lit_run {
     bool plain;
 };
 
-static void light_run(const struct integrator *it, struct worker *w, const struct group *run, uint32_t dimension,
-                      struct lit_run *lit)
+static void light_run(const struct integrator *it, struct worker *w, const struct group *run,
+                      uint32_t dimension, struct lit_run *lit)
 {
     lit->plain = run->first < run->dispersive &&
                  bundle_draw(it, w, origin_of(it, SIDE_LIGHT, &w->light, run),
@@ -347,15 +349,16 @@ static void connect_copies(const struct integrator *it, struct worker *w, const 
 
 /* --- All of them ------------------------------------------------------------------------------------------------ */
 
-static void connect_lights(const struct integrator *it, struct worker *w, const struct group groups[], int count)
+static void connect_lights(const struct integrator *it, struct worker *w, const struct group groups[],
+                           int count)
 {
     for (int i = 0; i < count; i++)
         for (int x = groups[i].first; groups[i].as.label == LABEL_ELASTIC && x < groups[i].end; x++)
             connect_light(it, w, &groups[i], x);
 }
 
-static void connect_lenses(const struct integrator *it, struct worker *w, const struct group groups[], int count,
-                           uint32_t dimension)
+static void connect_lenses(const struct integrator *it, struct worker *w, const struct group groups[],
+                           int count, uint32_t dimension)
 {
     connect_lens(it, w, NULL, NULL, 0); /* the light itself, seen by the camera */
     for (int i = 0; i < count; i++) {

@@ -22,9 +22,10 @@ static bool relight_sighting(const struct integrator *it, struct worker *w, uint
     const struct subpath *camera = &w->camera;
     const struct vertex *last = &camera->vertex[camera->count - 1], *next = last + 1;
     float lambda[LANES_MAX];
-    if (!draw_product(it, w, scene_light_shape(it->scene, seen->light->light), next->arrival.origin, dimension,
-                      it->lanes, lambda, density) ||
-        relight(it, w, SIDE_CAMERA, camera, next->arrival.start, camera->count, it->lanes, lambda, strand) < camera->count)
+    if (!draw_product(it, w, scene_light_shape(it->scene, seen->light->light), next->arrival.origin,
+                      dimension, it->lanes, lambda, density) ||
+        relight(it, w, SIDE_CAMERA, camera, next->arrival.start, camera->count, it->lanes, lambda, strand) <
+            camera->count)
         return false;
     struct arrival *at = &strand->at[camera->count];
     bool distant = seen->light->distant;
@@ -85,7 +86,9 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
     if (strand && !relight_sighting(it, w, dimension, seen, strand, density))
         return;
     const struct arrival *at = strand ? &strand->at[edges] : &next->arrival;
-    const float *lambda_film = at->start == 0 ? at->lambda : strand ? w->camera.vertex[at->start].lambda_film : next->lambda_film;
+    const float *lambda_film = at->start == 0 ? at->lambda
+                               : strand       ? w->camera.vertex[at->start].lambda_film
+                                              : next->lambda_film;
     float draw[LANES_MAX], fwd[LANES_MAX], direction = scene_pdf_light_direction(it->scene, light, back);
     double pdf_point = scene_pdf_light(it->scene, light);
     for (int i = 0; i < it->lanes; i++) {

@@ -19,7 +19,7 @@ struct integrator_settings integrator_settings_default(void)
         .lanes = 1,
         .d0_nm = 50,
         .shrink = 0.2,
-        .kernel = MOLLIFIER_CONSTANT,
+        .kernel = KERNEL_CONSTANT,
         .mollify_side = SIDE_LIGHT,
         .max_path = PATH_EDGES_MAX,
         .max_camera = PATH_EDGES_MAX,
@@ -215,6 +215,7 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     w->random =
         random_path(settings->seed, (uint32_t)y * (uint32_t)it->full[0] + (uint32_t)x, (uint32_t)sample);
     w->half_width_nm = (float)(settings->d0_nm * pow(sample + 1, -settings->shrink));
+    w->reach_nm = 1 / (double)kernel_density(settings->kernel, 550, 550, w->half_width_nm);
     w->camera.count = w->light.count = w->copy.count = 0;
     w->sightings = 0;
     w->hole = 0;

@@ -3,9 +3,8 @@
 #define INTEGRATOR_INTEGRATOR_H
 
 #include "film/film.h"
+#include "material/mollified.h"
 #include "scene/scene.h"
-
-enum mollifier { MOLLIFIER_CONSTANT };
 
 /* Paths have at most this many edges. */
 #define PATH_EDGES_MAX 32
@@ -17,7 +16,7 @@ struct integrator_settings {
     uint32_t seed;
     int lanes;            /* wavelengths in a bundle: 1, 4 or 8 */
     double d0_nm, shrink; /* d_n = d0 n^(−shrink) */
-    enum mollifier kernel;
+    enum kernel kernel;
     enum side mollify_side;
     int max_path, max_camera, max_light; /* edges */
     int max_diffuse, max_glossy, max_transmission, max_transparent;
@@ -25,7 +24,7 @@ struct integrator_settings {
     float lambda_min, lambda_max;
     float filter_width; /* pixels */
     bool film_transparent;
-    bool connectable_only; /* leave out paths that no connection can make */
+    bool connectable_only;                          /* leave out paths that no connection can make */
     bool all_techniques;                            /* else only those with technique[s][t] */
     bool technique[TECHNIQUES_MAX][TECHNIQUES_MAX]; /* [s][t]: light and camera vertices */
     int spectral_bins;

@@ -40,7 +40,8 @@ static bool look(const struct vertex *y, const struct vertex *x, struct sight *s
     return sight->geometry > 0 && isfinite(sight->geometry);
 }
 
-bool joint_open(struct joint *joint, const struct vertex *y, const struct vertex *x, uint32_t stamp, struct sight *sight)
+bool joint_open(struct joint *joint, const struct vertex *y, const struct vertex *x, uint32_t stamp,
+                struct sight *sight)
 {
     if (sight->stamp != stamp) {
         sight->stamp = stamp;
@@ -246,8 +247,8 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
 
 /* --- Vertices that are drawn for one connection --------------------------------------------------------------- */
 
-bool joint_camera_vertex(const struct integrator *it, const struct vertex *y, struct vertex *x, const float u[4],
-                         int pixel[2], float *pdf_direction)
+bool joint_camera_vertex(const struct integrator *it, const struct vertex *y, struct vertex *x,
+                         const float u[4], int pixel[2], float *pdf_direction)
 {
     float at[2], width = it->settings.filter_width;
     vertex_begin(x, VERTEX_CAMERA);

@@ -20,18 +20,21 @@ struct sight {
     enum { SIGHT_NOTHING, SIGHT_OPEN, SIGHT_TRACED } state;
     struct vec3 y_to_x;
     float geometry;
-    double visibility; /* SIGHT_TRACED: at one wavelength; neither 0 nor 1 where it is transparent to some of the light */
+    double
+        visibility; /* SIGHT_TRACED: at one wavelength; neither 0 nor 1 where it is transparent to some of the light */
 };
 
 struct joint_end {
     const struct vertex *vertex;
     const struct subpath *path;
-    const struct strand *strand;    /* of the connecting run, evaluated again; NULL: as traced */
-    const struct arrival *at;       /* the vertex's, or the strand's */
+    const struct strand *strand; /* of the connecting run, evaluated again; NULL: as traced */
+    const struct arrival *at;    /* the vertex's, or the strand's */
     struct choice as;
     bool disperses;
-    float draw[LANES_MAX];      /* density with which the start of its part of the run draws the edge's wavelength */
-    struct surface_steps steps; /* ρ (or emitted radiance, or the camera's density); densities of own and other side */
+    float
+        draw[LANES_MAX]; /* density with which the start of its part of the run draws the edge's wavelength */
+    struct surface_steps
+        steps; /* ρ (or emitted radiance, or the camera's density); densities of own and other side */
 };
 
 struct joint {
@@ -50,14 +53,16 @@ struct joint {
 };
 
 /* Direction and geometry of an edge. False if it has no length, is at infinity at both ends, or is known to be blocked. */
-bool joint_open(struct joint *, const struct vertex *y, const struct vertex *x, uint32_t stamp, struct sight *);
+bool joint_open(struct joint *, const struct vertex *y, const struct vertex *x, uint32_t stamp,
+                struct sight *);
 
 /* True if the path with these labels keeps the limits on bounces, and every edge's near end is seen by the kind of ray that leaves its
    far end. */
 bool joint_is_allowed(const struct integrator *, const struct joint *);
 
 /* Sets an end as the vertex was traced, or as a strand says, with a label. */
-void joint_set_end(struct joint *, enum side, const struct subpath *, int at, const struct strand *, struct choice);
+void joint_set_end(struct joint *, enum side, const struct subpath *, int at, const struct strand *,
+                   struct choice);
 
 /* Sets source, sink and dyes. */
 void joint_name_run(const struct integrator *, struct joint *);
@@ -66,11 +71,12 @@ void joint_name_run(const struct integrator *, struct joint *);
 bool joint_evaluate_end(const struct integrator *, struct joint *, enum side);
 
 /* Value × weight of each lane, over `density` of the lanes' wavelengths; what is above 0 is added to the camera's pixel or splatted. */
-void joint_contribute(const struct integrator *, struct worker *, struct joint *, const double density[LANES_MAX],
-                      const float lambda_film[LANES_MAX], const int splat[2]);
+void joint_contribute(const struct integrator *, struct worker *, struct joint *,
+                      const double density[LANES_MAX], const float lambda_film[LANES_MAX],
+                      const int splat[2]);
 
 /* t = 1: a lens point that sees y, and the pixel that a splat falls into. False if there is none inside the border. */
-bool joint_camera_vertex(const struct integrator *, const struct vertex *y, struct vertex *x, const float u[4],
-                         int pixel[2], float *pdf_direction);
+bool joint_camera_vertex(const struct integrator *, const struct vertex *y, struct vertex *x,
+                         const float u[4], int pixel[2], float *pdf_direction);
 
 #endif

@@ -62,9 +62,9 @@ static double emitted_density(const struct integrator *it, const struct full_pat
 static double absorbed_density(const struct integrator *it, const struct full_path *path, int x)
 {
     float lambda = path->step[x].lambda;
-    return x == path->edges
-               ? spectrum_pdf(it->wavelengths.camera, lambda)
-               : scene_fluorophore_pdf_absorbed(it->scene, path->step[x].dye, lambda, path->step[x + 1].lambda);
+    return x == path->edges ? spectrum_pdf(it->wavelengths.camera, lambda)
+                            : scene_fluorophore_pdf_absorbed(it->scene, path->step[x].dye, lambda,
+                                                             path->step[x + 1].lambda);
 }
 
 /* --- The two tables ------------------------------------------------------------------------------------------ */
@@ -74,7 +74,7 @@ static double mollified_wavelength(const struct integrator *it, const struct ful
     switch (is_fluorescent(path, c - 1) + is_fluorescent(path, c)) {
     case 2: return product_density(it, path, source_at(it, path, c - 1), c, c);
     case 1: return 1;
-    default: return 2 * (double)path->half_width_nm;
+    default: return path->reach_nm;
     }
 }
 
@@ -121,7 +121,8 @@ static double exact_wavelength(const struct integrator *it, const struct full_pa
         return 1 / drawn_by_light;
     if (y.disperses)
         return 1 / drawn_by_camera;
-    return product_density(it, path, source_at(it, path, y.start), x.start, c) / (drawn_by_light * drawn_by_camera);
+    return product_density(it, path, source_at(it, path, y.start), x.start, c) /
+           (drawn_by_light * drawn_by_camera);
 }
 
 double link_factor(const struct integrator *it, const struct full_path *path, const struct chart *chart,

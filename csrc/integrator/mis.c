@@ -40,7 +40,8 @@ static void put_side(struct full_path *path, enum side side, const struct subpat
         if (i > 0)
             put_edge(path, side, i, v->geometry);
         if (strand && i >= strand->start) {
-            put_step(path, side, i, strand->own[i][lane], strand->other[i][lane], strand->at[i + 1].lambda[lane]);
+            put_step(path, side, i, strand->own[i][lane], strand->other[i][lane],
+                     strand->at[i + 1].lambda[lane]);
             continue;
         }
         int out = lane < v->lanes_out ? lane : 0;
@@ -64,14 +65,14 @@ static void put_end(struct full_path *path, const struct joint_end *end, enum si
         put_edge(path, side, i, end->vertex->geometry);
 }
 
-void full_path_of_joint(const struct integrator *it, const struct worker *w, const struct joint *joint, int lane,
-                        struct full_path *path)
+void full_path_of_joint(const struct integrator *it, const struct worker *w, const struct joint *joint,
+                        int lane, struct full_path *path)
 {
     const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
     (void)it;
     path->edges = joint->s + joint->t - 1;
     path->cut = joint->s;
-    path->half_width_nm = w->half_width_nm;
+    path->reach_nm = w->reach_nm;
     path->light = &y->path->vertex[0].light;
     path->pdf_point = y->path->vertex[0].pdf_point;
     put_side(path, SIDE_LIGHT, y->path, joint->s - 1, y->strand, (lane + joint->turned) % joint->lanes);
@@ -87,7 +88,7 @@ void full_path_of_camera(const struct worker *w, const struct subpath *camera, i
 {
     path->edges = edges;
     path->cut = 0;
-    path->half_width_nm = w->half_width_nm;
+    path->reach_nm = w->reach_nm;
     put_side(path, SIDE_CAMERA, camera, edges, strand, lane);
 }
 

@@ -12,11 +12,11 @@ struct joint;
 /* All that the weight is a function of: one lane. Indices run from the light (0) to the camera (edges); step[i].geometry and step[i].lambda
    belong to edge i, between vertices i − 1 and i. */
 struct full_path {
-    int edges; /* K */
-    int cut;   /* s: the technique that made it */
+    int edges;     /* K */
+    int cut;       /* s: the technique that made it */
     double weight; /* what the integrator gave it; for observers */
     double pdf_point;
-    float half_width_nm;
+    double reach_nm; /* 1/k(λ|λ) of the mollified method */
     const struct light_point *light;
     struct full_step {
         double fwd; /* density of the light sub-path's step from here to i + 1 */
@@ -34,8 +34,8 @@ void full_path_of_joint(const struct integrator *, const struct worker *, const 
                         struct full_path *);
 /* One lane of the camera sub-path with `edges` edges, the last of which ends on a light: all but step[0], edge 1 and the light itself. */
 struct strand;
-void full_path_of_camera(const struct worker *, const struct subpath *, int edges, const struct strand *, int lane,
-                         struct full_path *);
+void full_path_of_camera(const struct worker *, const struct subpath *, int edges, const struct strand *,
+                         int lane, struct full_path *);
 
 /* Weight of cut path->cut among all techniques that the integrator may use. */
 double mis_weight(const struct integrator *, const struct full_path *);

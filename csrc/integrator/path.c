@@ -203,9 +203,9 @@ static double led_by_any(const struct vertex *v, const double chance[LANES_MAX])
 }
 
 /* Values and densities of the drawn step for the lanes that go on. A dispersive refraction is the leader's alone. */
-static bool step_lanes(const struct integrator *it, struct worker *w, enum side side, const struct subpath *path,
-                       uint32_t dimension, const struct scatter *drawn, struct vertex *v,
-                       double density[LANES_MAX], struct surface_steps *steps)
+static bool step_lanes(const struct integrator *it, struct worker *w, enum side side,
+                       const struct subpath *path, uint32_t dimension, const struct scatter *drawn,
+                       struct vertex *v, double density[LANES_MAX], struct surface_steps *steps)
 {
     bool fluoresces = drawn->label == LABEL_FLUORESCENT, copies = false;
     double chance = 1;
@@ -241,7 +241,7 @@ static bool follow(const struct integrator *it, struct worker *w, enum side side
     for (int i = 0; i < v->lanes_out; i++) {
         v->own[i] = steps->pdf[i];
         v->other[i] = steps->pdf_other[i];
-        chance[i] = !fluoresces            ? steps->pdf[i]
+        chance[i] = !fluoresces          ? steps->pdf[i]
                     : steps->draw[i] > 0 ? steps->pdf[i] / (double)steps->draw[i]
                                          : 0;
     }
@@ -260,8 +260,9 @@ static bool follow(const struct integrator *it, struct worker *w, enum side side
 }
 
 /* The next vertex's arrival, but for the edge to it. */
-static void depart(const struct integrator *it, const struct worker *w, enum side side, const struct vertex *v, int at,
-                   const struct surface_steps *steps, const double gain[LANES_MAX], struct vertex *next)
+static void depart(const struct integrator *it, const struct worker *w, enum side side,
+                   const struct vertex *v, int at, const struct surface_steps *steps,
+                   const double gain[LANES_MAX], struct vertex *next)
 {
     const struct arrival *here = &v->arrival;
     struct arrival *there = &next->arrival;
@@ -276,8 +277,9 @@ static void depart(const struct integrator *it, const struct worker *w, enum sid
     }
     there->start = begins ? at : here->start;
     there->first = begins;
-    there->origin = begins ? wavelengths_dye(&it->wavelengths, side, surface_fluorophore(&v->surface, v->lobe))
-                           : here->origin;
+    there->origin = begins
+                        ? wavelengths_dye(&it->wavelengths, side, surface_fluorophore(&v->surface, v->lobe))
+                        : here->origin;
     there->dyes = here->dyes + begins;
     there->disperses = !begins && (here->disperses || v->disperses);
     there->disperses_early = !begins && here->disperses;
@@ -298,8 +300,8 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     float u[4];
     for (int i = 0; i < 4; i++)
         u[i] = random_at(w->random, dimension + (uint32_t)i);
-    if (!surface_sample(&v->surface, side, v->to_prev, v->arrival.lambda[v->leader], u, &drawn) || !(drawn.pdf > 0) ||
-        !follow(it, w, side, path, dimension, &drawn, v, next, &steps, gain))
+    if (!surface_sample(&v->surface, side, v->to_prev, v->arrival.lambda[v->leader], u, &drawn) ||
+        !(drawn.pdf > 0) || !follow(it, w, side, path, dimension, &drawn, v, next, &steps, gain))
         return false;
     /* Seen from the camera, this vertex's scattering sends a ray to the one that a light sub-path came from. */
     if (side == SIDE_LIGHT && !(v[-1].kinds & path_ray_kind((enum scatter_class)drawn.depth_class)))
@@ -345,9 +347,9 @@ static void extend(const struct integrator *it, struct worker *w, enum side side
 }
 
 /* What arrives at vertex 1 from an end whose lanes are set. */
-static void depart_end(const struct integrator *it, const struct worker *w, enum side side, struct vertex *end,
-                       const double throughput[LANES_MAX], const float draw[LANES_MAX], int leader,
-                       struct vertex *next)
+static void depart_end(const struct integrator *it, const struct worker *w, enum side side,
+                       struct vertex *end, const double throughput[LANES_MAX], const float draw[LANES_MAX],
+                       int leader, struct vertex *next)
 {
     struct arrival *there = &next->arrival;
     there->lanes = end->lanes_out;

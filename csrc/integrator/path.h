@@ -53,8 +53,9 @@ struct vertex {
     struct vec3 position;
     struct vec3 to_prev, to_next; /* unit, away from the vertex */
     struct arrival arrival;
-    float lead[LANES_MAX]; /* how likely each lane would have led here, relative to all that live: their mean is 1 */
-    int leader, leaders;   /* the lane that leads, of how many that live */
+    float lead
+        [LANES_MAX]; /* how likely each lane would have led here, relative to all that live: their mean is 1 */
+    int leader, leaders;          /* the lane that leads, of how many that live */
     float lambda_film[LANES_MAX]; /* camera side: nm, of the first run */
     /* Of the step to next, when passed: its lanes, and each one's place among those of arrival. */
     int lanes_out;
@@ -62,8 +63,9 @@ struct vertex {
     float lambda_out[LANES_MAX];
     float own[LANES_MAX];   /* nominal density: label × wavelength × direction */
     float other[LANES_MAX]; /* with which the other side's sub-path, coming from next, would step to prev */
-    double drawn;    /* density with which the step was really drawn, all leaders together: label × direction × roulette */
-    float geometry;  /* of the edge to prev */
+    double
+        drawn; /* density with which the step was really drawn, all leaders together: label × direction × roulette */
+    float geometry; /* of the edge to prev */
     /* A distant light, an orthographic camera: a direction instead of a point, so that edges to it have no
        length, and its steps have densities per area perpendicular to them. */
     bool unbounded;
@@ -147,6 +149,7 @@ struct worker {
     struct random_path random;
     struct film_sample gathered;
     float half_width_nm; /* d_n */
+    double reach_nm;     /* 1/k(λ|λ): what an E–E connection counts for on a path of one wavelength */
     struct strand *strand[SIDES]; /* runs that are being connected, evaluated again */
     struct sight *sight;          /* PATH_VERTICES²: edges between the two sub-paths, once looked at */
     uint32_t stamp;               /* of the sights that belong to this sample */
@@ -170,8 +173,8 @@ struct integrator {
     double kappa;
     int full[2], border[4];
     bool traces_camera, traces_light, connects, splats;
-    bool meets;                    /* some technique has s ≥ 2 and t ≥ 2 */
-    bool exact;                    /* connections by exact.c instead of the mollified table */
+    bool meets; /* some technique has s ≥ 2 and t ≥ 2 */
+    bool exact; /* connections by exact.c instead of the mollified table */
     enum cuts cuts;
     int lanes;                     /* 1, 4 or 8 */
     bool limits_bounces;           /* some limit on a class of bounces is tighter than max_path */

@@ -14,7 +14,8 @@ static void start_again(const struct integrator *it, enum side side, const struc
     case VERTEX_CAMERA:
         for (int i = 0; i < lanes; i++) {
             draw[i] = spectrum_pdf(it->wavelengths.camera, lambda[i]);
-            steps->value[i] = direction; /* importance over the density of directions is 1 (scene_camera_ray) */
+            steps->value[i] =
+                direction; /* importance over the density of directions is 1 (scene_camera_ray) */
             steps->pdf[i] = direction * draw[i];
             steps->pdf_other[i] = 0;
         }
@@ -50,7 +51,8 @@ static void pass_edge(const struct integrator *it, const struct vertex *from, co
         at->seam[i] /= (double)to->geometry;
         at->throughput[i] *= (double)to->passage;
         if (to->passed)
-            at->throughput[i] *= edge_transmittance(it, from, from->unbounded ? NULL : &end, from->to_next, at->lambda[i]);
+            at->throughput[i] *=
+                edge_transmittance(it, from, from->unbounded ? NULL : &end, from->to_next, at->lambda[i]);
     }
 }
 
@@ -67,8 +69,8 @@ int relight(const struct integrator *it, const struct worker *w, enum side side,
         if (i == start)
             start_again(it, side, v, lanes, lambda, there->draw, &steps);
         else
-            surface_steps(&v->surface, side, v->label, v->lobe, v->to_prev, v->to_next, lanes, lambda,
-                          lambda, &steps);
+            surface_steps(&v->surface, side, v->label, v->lobe, v->to_prev, v->to_next, lanes, lambda, lambda,
+                          &steps);
         double inverse = 1 / v->drawn;
         for (int k = 0; k < lanes; k++) {
             there->lambda[k] = lambda[k];

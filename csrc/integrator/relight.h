@@ -14,8 +14,8 @@ struct strand {
 
 /* Returns the last vertex up to `end` at which something of these wavelengths arrives, or `start`. `path` has `end` + 1 vertices, or `end` if
    the last is still to come: then what arrives there lacks the last edge's seam and passage. */
-int relight(const struct integrator *, const struct worker *, enum side, const struct subpath *, int start, int end,
-            int lanes, const float lambda[LANES_MAX], struct strand *);
+int relight(const struct integrator *, const struct worker *, enum side, const struct subpath *, int start,
+            int end, int lanes, const float lambda[LANES_MAX], struct strand *);
 
 /* Transmittance of the edge between two neighbouring vertices at a wavelength, for rays that passed transparent surfaces by chance. */
 double edge_transmittance(const struct integrator *, const struct vertex *from, const struct vec3 *to,

@@ -111,7 +111,7 @@ static void through_mollified(const struct integrator *it, const struct worker *
                           p->side == SIDE_LIGHT ? p->partner : here->origin, it->lanes, here->lambda, link);
     else
         for (int i = 0; i < it->lanes; i++)
-            link[i] = dye_before || dye_here ? 1 : 2 * (double)w->half_width_nm;
+            link[i] = dye_before || dye_here ? 1 : w->reach_nm;
     for (int i = 0; i < p->lanes; i++) {
         int k = from[i];
         double seam = p->label == LABEL_SPECULAR ? 0 : here->seam[k] * link[k];
@@ -160,15 +160,15 @@ static void through_dye(const struct integrator *it, const struct passing *p, co
         q->closed[i] = b * (t->closed[k] + over(t->open[k] * product[k] + t->near[k], far[i]));
         q->both[i] = b * (t->both[k] + over(t->bent[k], far[i]));
         q->closed[i] += here->disperses_early ? seam
-                        : here->first   ? seam * product[k]
-                                        : over(seam * product[k], here->draw[k]);
+                        : here->first         ? seam * product[k]
+                                              : over(seam * product[k], here->draw[k]);
     }
 }
 
 /* Q at vertex v with a label. `lobe` is the fluorescent one, if it is. */
-static void through(const struct integrator *it, const struct worker *w, enum side side, const struct vertex *v,
-                    const struct arrival *here, struct passing p, int lobe, const uint8_t from[],
-                    const struct surface_steps *steps, struct tally *q)
+static void through(const struct integrator *it, const struct worker *w, enum side side,
+                    const struct vertex *v, const struct arrival *here, struct passing p, int lobe,
+                    const uint8_t from[], const struct surface_steps *steps, struct tally *q)
 {
     enum side across = side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
     p.side = side;
@@ -271,9 +271,8 @@ static void weigh_exact(const struct integrator *it, const struct joint *j, cons
     for (int i = 0; i < j->lanes; i++) {
         double draw_y = end_y->draw[i], draw_x = end_x->draw[i], copied = over(copy, draw_y);
         double link = exact_link(y, x, product[i], draw_y, draw_x, copy) / (double)j->geometry;
-        double others =
-            (double)end_x->steps.pdf[i] * close(y, x, i, product[i], draw_x, copied, copy) +
-            (double)end_y->steps.pdf[i] * close(x, y, i, product[i], draw_y, copied, copy);
+        double others = (double)end_x->steps.pdf[i] * close(y, x, i, product[i], draw_x, copied, copy) +
+                        (double)end_y->steps.pdf[i] * close(x, y, i, product[i], draw_y, copied, copy);
         weight[i] = over(link, link + others);
     }
 }
@@ -287,10 +286,11 @@ static void weigh_mollified(const struct integrator *it, const struct worker *w,
         product_densities(it, j->source, j->sink, j->lanes, j->lambda, link);
     else
         for (int i = 0; i < j->lanes; i++)
-            link[i] = y->is_start || x->is_start ? 1 : 2 * (double)w->half_width_nm;
+            link[i] = y->is_start || x->is_start ? 1 : w->reach_nm;
     for (int i = 0; i < j->lanes; i++) {
         double own = link[i] / (double)j->geometry;
-        double others = (double)end_x->steps.pdf[i] * y->q.closed[i] + (double)end_y->steps.pdf[i] * x->q.closed[i];
+        double others =
+            (double)end_x->steps.pdf[i] * y->q.closed[i] + (double)end_y->steps.pdf[i] * x->q.closed[i];
         weight[i] = over(own, own + others);
     }
 }
@@ -310,9 +310,9 @@ void tally_weigh(const struct integrator *it, const struct worker *w, const stru
         weigh_mollified(it, w, j, &y, &x, weight);
 }
 
-void tally_weigh_sighting(const struct integrator *it, const struct worker *w, const struct arrival *at, const struct light_point *light,
-                          double pdf_point, int edges, double geometry, const float back[],
-                          const float draw[], double weight[LANES_MAX])
+void tally_weigh_sighting(const struct integrator *it, const struct worker *w, const struct arrival *at,
+                          const struct light_point *light, double pdf_point, int edges, double geometry,
+                          const float back[], const float draw[], double weight[LANES_MAX])
 {
     struct passing p = {.side = SIDE_CAMERA,
                         .label = LABEL_FLUORESCENT,

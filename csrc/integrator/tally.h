@@ -15,21 +15,23 @@ void arrival_fill(struct arrival *, float lambda_film[LANES_MAX], int lanes);
 
 /* Sets `there->tally` and `seam`, but for the edge's geometry, behind vertex v, which was passed by v->label: here->… [from[i]] arrived, and the
    steps hold the nominal densities. Reads there->lanes. */
-void tally_pass(const struct integrator *, const struct worker *, enum side, const struct vertex *v, const struct arrival *here,
-                const uint8_t from[], const struct surface_steps *, struct arrival *there);
+void tally_pass(const struct integrator *, const struct worker *, enum side, const struct vertex *v,
+                const struct arrival *here, const uint8_t from[], const struct surface_steps *,
+                struct arrival *there);
 
 /* The weight of each lane of a connection. */
-void tally_weigh(const struct integrator *, const struct worker *, const struct joint *, double weight[LANES_MAX]);
+void tally_weigh(const struct integrator *, const struct worker *, const struct joint *,
+                 double weight[LANES_MAX]);
 
 /* The weight of each lane of a path that the camera sub-path made alone: `at` is what arrives at the light point that it met, over an edge with
    this geometry; `back` and `draw` are the light's densities of the step and of its wavelength. */
-void tally_weigh_sighting(const struct integrator *, const struct worker *, const struct arrival *at, const struct light_point *,
-                          double pdf_point, int edges, double geometry, const float back[],
-                          const float draw[], double weight[LANES_MAX]);
+void tally_weigh_sighting(const struct integrator *, const struct worker *, const struct arrival *at,
+                          const struct light_point *, double pdf_point, int edges, double geometry,
+                          const float back[], const float draw[], double weight[LANES_MAX]);
 
 /* Stratified wavelengths from the product of a source and a sink, and their densities. False if they have no wavelength in common. */
-bool draw_product(const struct integrator *, const struct worker *, int source, int sink, uint32_t dimension, int lanes,
-                  float lambda[LANES_MAX], double density[LANES_MAX]);
+bool draw_product(const struct integrator *, const struct worker *, int source, int sink, uint32_t dimension,
+                  int lanes, float lambda[LANES_MAX], double density[LANES_MAX]);
 /* Density of a wavelength from the table of products; 0 where source and sink have none in common. */
 void product_densities(const struct integrator *, int source, int sink, int lanes, const float lambda[],
                        double out[LANES_MAX]);

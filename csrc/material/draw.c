@@ -215,12 +215,13 @@ bool surface_step_again(const struct surface *s, enum side side, enum label labe
     return false;
 }
 
-void surface_steps(const struct surface *s, enum side side, enum label label, int which,
-                   struct vec3 arriving, struct vec3 leaving, int lanes, const float lambda_arriving[],
+void surface_steps(const struct surface *s, enum side side, enum label label, int which, struct vec3 arriving,
+                   struct vec3 leaving, int lanes, const float lambda_arriving[],
                    const float lambda_leaving[], struct surface_steps *out)
 {
     if (s->is_matte) {
-        surface_matte_steps(s, side, label, which, arriving, leaving, lanes, lambda_arriving, lambda_leaving, out);
+        surface_matte_steps(s, side, label, which, arriving, leaving, lanes, lambda_arriving, lambda_leaving,
+                            out);
         return;
     }
     for (int i = 0; i < lanes; i++) {

@@ -83,17 +83,17 @@ struct dye_step {
 static struct dye_step dye_between(const struct fluorophore *dye, float in, float out)
 {
     if (dye->bands)
-        return (struct dye_step){
-            .value = fluorophore_value(dye, in, out),
-            .strength = {[SIDE_LIGHT] = fluorophore_strength(dye, SIDE_LIGHT, in),
-                         [SIDE_CAMERA] = fluorophore_strength(dye, SIDE_CAMERA, out)},
-            .draw = {[SIDE_LIGHT] = fluorophore_pdf(dye, SIDE_LIGHT, in, out),
-                     [SIDE_CAMERA] = fluorophore_pdf(dye, SIDE_CAMERA, out, in)}};
+        return (struct dye_step){.value = fluorophore_value(dye, in, out),
+                                 .strength = {[SIDE_LIGHT] = fluorophore_strength(dye, SIDE_LIGHT, in),
+                                              [SIDE_CAMERA] = fluorophore_strength(dye, SIDE_CAMERA, out)},
+                                 .draw = {[SIDE_LIGHT] = fluorophore_pdf(dye, SIDE_LIGHT, in, out),
+                                          [SIDE_CAMERA] = fluorophore_pdf(dye, SIDE_CAMERA, out, in)}};
     float a = spectrum_eval(dye->reradiation, in), e = spectrum_eval(dye->emission, out);
     float strength = (float)dye->strength;
-    return (struct dye_step){.value = a * e,
-                             .strength = {[SIDE_LIGHT] = a, [SIDE_CAMERA] = e * strength},
-                             .draw = {[SIDE_LIGHT] = e * dye->per_emission, [SIDE_CAMERA] = a * dye->per_strength}};
+    return (struct dye_step){
+        .value = a * e,
+        .strength = {[SIDE_LIGHT] = a, [SIDE_CAMERA] = e * strength},
+        .draw = {[SIDE_LIGHT] = e * dye->per_emission, [SIDE_CAMERA] = a * dye->per_strength}};
 }
 
 static void fluorescent_steps(const struct surface *s, enum side side, int f, float factor, int lanes,
@@ -101,7 +101,8 @@ static void fluorescent_steps(const struct surface *s, enum side side, int f, fl
 {
     const struct lobe *lobe = &s->lobe[s->fluorescent[f]];
     enum side other = side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA;
-    const float *in = side == SIDE_CAMERA ? leaving : arriving, *back = side == SIDE_CAMERA ? arriving : leaving;
+    const float *in = side == SIDE_CAMERA ? leaving : arriving,
+                *back = side == SIDE_CAMERA ? arriving : leaving;
     for (int i = 0; i < lanes; i++) {
         struct dye_step dye = dye_between(lobe_fluorophore(lobe), in[i], back[i]);
         float from_camera = chance_of_dye(s, SIDE_CAMERA, back[i], lobe->weight * dye.strength[SIDE_CAMERA]);
@@ -113,8 +114,8 @@ static void fluorescent_steps(const struct surface *s, enum side side, int f, fl
     }
 }
 
-void surface_matte_steps(const struct surface *s, enum side side, enum label label, int f, struct vec3 arriving,
-                         struct vec3 leaving, int lanes, const float lambda_arriving[],
+void surface_matte_steps(const struct surface *s, enum side side, enum label label, int f,
+                         struct vec3 arriving, struct vec3 leaving, int lanes, const float lambda_arriving[],
                          const float lambda_leaving[], struct surface_steps *out)
 {
     bool camera = side == SIDE_CAMERA;

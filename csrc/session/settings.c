@@ -98,6 +98,16 @@ static void override_bins(struct integrator_settings *s, const stokes_overrides 
         s->bins_max = (float)o->bins_max_nm;
 }
 
+static bool read_kernel(const char *name, struct integrator_settings *s, stokes_error *err)
+{
+    for (int i = 0; i < KERNEL_COUNT; i++)
+        if (strcmp(name, kernel_name((enum kernel)i)) == 0) {
+            s->kernel = (enum kernel)i;
+            return true;
+        }
+    return fail(err, "settings", "kernel", "'%s' is unknown", name);
+}
+
 bool session_settings_override(struct session_settings *settings, const stokes_overrides *o,
                                stokes_error *err)
 {
@@ -120,6 +130,8 @@ bool session_settings_override(struct session_settings *settings, const stokes_o
         settings->threads = o->threads;
     if (o->d0_nm >= 0)
         s->d0_nm = o->d0_nm;
+    if (o->kernel && !read_kernel(o->kernel, s, err))
+        return false;
     if (o->shrink >= 0)
         s->shrink = o->shrink;
     override_bins(s, o);

@@ -78,12 +78,14 @@ static bool read_bins(const struct place *root, struct integrator_settings *s)
 
 static bool read_choices(const struct place *root, struct session_settings *settings)
 {
-    static const char *const kernels[] = {"constant", NULL}, *const sides[] = {"light", "camera", NULL};
+    static const char *const sides[] = {"light", "camera", NULL};
     static const char *const uv_rules[] = {"hold", "extrapolate", "zero", NULL};
     struct integrator_settings *s = &settings->integrator;
     struct place name = place_member(root, "integrator"), kernel = place_member(root, "kernel");
     struct place side = place_member(root, "mollify_side"), uv_rule = place_member(root, "uv_rule");
-    const char *integrator;
+    const char *integrator, *kernels[KERNEL_COUNT + 1] = {NULL};
+    for (int i = 0; i < KERNEL_COUNT; i++)
+        kernels[i] = kernel_name((enum kernel)i);
     int chosen_kernel = (int)s->kernel, chosen_side = (int)s->mollify_side,
         chosen_rule = (int)settings->uv_rule;
     if (name.value) {
@@ -97,7 +99,7 @@ static bool read_choices(const struct place *root, struct session_settings *sett
         (side.value && !read_choice(&side, sides, &chosen_side)) ||
         (uv_rule.value && !read_choice(&uv_rule, uv_rules, &chosen_rule)))
         return false;
-    s->kernel = (enum mollifier)chosen_kernel;
+    s->kernel = (enum kernel)chosen_kernel;
     s->mollify_side = (enum side)chosen_side;
     settings->uv_rule = (enum uv_rule)chosen_rule;
     return true;

@@ -29,6 +29,7 @@ struct subject {
     int lanes;
     bool lenses, inner;
     int edges, samples;
+    enum kernel kernel;
 };
 
 /* What technique (path length, cut) gave itself, and what its density claims of everybody's samples. */
@@ -129,6 +130,7 @@ static struct integrator_settings settings_of(const struct subject *subject)
     struct integrator_settings settings = integrator_settings_default();
     settings.name = subject->name;
     settings.lanes = subject->lanes;
+    settings.kernel = subject->kernel;
     settings.d0_nm = 4;
     settings.shrink = 0;
     settings.max_path = subject->edges;
@@ -228,19 +230,34 @@ static void copied_wavelengths_bring_what_a_path_tracer_finds(void **state)
     scene_destroy(scene);
 }
 
-#define TEST_OF(subject) {#subject, techniques_deliver_what_they_claim, NULL, NULL, &subject}
+#define TEST_OF(subject)                                                                                     \
+    {                                                                                                        \
+#subject, techniques_deliver_what_they_claim, NULL, NULL, &subject                                   \
+    }
 
 int main(void)
 {
-    static struct subject mbdpt = {"mbdpt", 1, false, false, 5, 32}, mbdpt_4 = {"mbdpt", 4, false, false, 5, 24},
-                          mbdpt_inner = {"mbdpt", 8, false, true, 5, 48},
-                          mbdpt_glass = {"mbdpt", 4, true, false, 5, 72},
-                          bdpt = {"bdpt", 1, false, false, 5, 48}, bdpt_4 = {"bdpt", 4, false, false, 5, 96},
-                          bdpt_glass = {"bdpt", 1, true, false, 7, 96},
-                          bdpt_4_glass = {"bdpt", 4, true, false, 7, 80};
-    const struct CMUnitTest tests[] = {cmocka_unit_test(copied_wavelengths_bring_what_a_path_tracer_finds), TEST_OF(mbdpt),       TEST_OF(mbdpt_4), TEST_OF(mbdpt_inner),
-                                       TEST_OF(mbdpt_glass), TEST_OF(bdpt),    TEST_OF(bdpt_4),
-                                       TEST_OF(bdpt_glass),  TEST_OF(bdpt_4_glass)};
+    static struct subject mbdpt = {"mbdpt", 1, false, false, 5, 32, KERNEL_CONSTANT},
+                          mbdpt_4 = {"mbdpt", 4, false, false, 5, 24, KERNEL_CONSTANT},
+                          mbdpt_inner = {"mbdpt", 8, false, true, 5, 48, KERNEL_CONSTANT},
+                          mbdpt_box = {"mbdpt", 8, false, true, 5, 24, KERNEL_BOX},
+                          mbdpt_asymmetric = {"mbdpt", 8, false, true, 5, 24, KERNEL_ASYMMETRIC},
+                          mbdpt_glass = {"mbdpt", 4, true, false, 5, 72, KERNEL_CONSTANT},
+                          bdpt = {"bdpt", 1, false, false, 5, 48, KERNEL_CONSTANT},
+                          bdpt_4 = {"bdpt", 4, false, false, 5, 96, KERNEL_CONSTANT},
+                          bdpt_glass = {"bdpt", 1, true, false, 7, 96, KERNEL_CONSTANT},
+                          bdpt_4_glass = {"bdpt", 4, true, false, 7, 80, KERNEL_CONSTANT};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(copied_wavelengths_bring_what_a_path_tracer_finds),
+                                       TEST_OF(mbdpt),
+                                       TEST_OF(mbdpt_4),
+                                       TEST_OF(mbdpt_inner),
+                                       TEST_OF(mbdpt_box),
+                                       TEST_OF(mbdpt_asymmetric),
+                                       TEST_OF(mbdpt_glass),
+                                       TEST_OF(bdpt),
+                                       TEST_OF(bdpt_4),
+                                       TEST_OF(bdpt_glass),
+                                       TEST_OF(bdpt_4_glass)};
     if (getenv("STOKES_TEST_ONLY"))
         cmocka_set_test_filter(getenv("STOKES_TEST_ONLY"));
     return cmocka_run_group_tests(tests, NULL, NULL);
