@@ -13,6 +13,7 @@ import time
 
 import exr
 import frames
+import numpy as np
 import pytest
 import scenes
 from process import SECONDS, SLOWER, STOKES, Server, run
@@ -259,12 +260,15 @@ def test_interrupt_keeps_whole_passes(tmp_path):
 def test_interrupt_in_the_first_pass_keeps_the_pixels_that_were_done(tmp_path):
     """They are those of a whole pass, by an integrator that splats nothing; the rest is transparent. Such a file is not merged."""
     scene, out, whole = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "whole.exr"
-    scene.write_bytes(frames.scene(size=2048, samples=4))
-    process = subprocess.Popen(
-        [STOKES, "render", scene, "-o", out, "-o", tmp_path / "out.png", "-t", "1"], stderr=subprocess.PIPE, text=True)
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
-    said = process.communicate(timeout=SECONDS)[1]
+    scene.write_bytes(frames.scene(size=1536, samples=4))
+    for seconds in (0.5, 1, 2, 4):  # on a busy machine it takes longer to begin
+        process = subprocess.Popen(
+            [STOKES, "render", scene, "-o", out, "-o", tmp_path / "out.png", "-t", "1"], stderr=subprocess.PIPE, text=True)
+        time.sleep(seconds)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=SECONDS)[1]
+        if process.returncode == 130 and "before the first sample" not in said:
+            break
     assert process.returncode == 130 and "cancelled within the first pass" in said, said
     assert (tmp_path / "out.png").stat().st_size > 1000
     assert run("render", scene, "-o", whole, "-q", "-s", 1).returncode == 0
@@ -282,21 +286,31 @@ def test_interrupt_in_the_first_pass_keeps_the_pixels_that_were_done(tmp_path):
 
 
 def test_a_part_of_light_tracing_is_as_bright_as_the_whole(tmp_path):
-    """All of it is splats: those of a share of the light paths count for all of them. The mean over the pixels that were done has a
-    standard error below 1 % , which is asked for."""
-    scene, out, whole = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "whole.exr"
-    scene.write_bytes(frames.scene(size=1024, samples=1))
-    process = subprocess.Popen([STOKES, "render", scene, "-o", out, "-q", "-t", "1", "-i", "lt"])
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
-    assert process.wait(SECONDS) == 130
-    assert run("render", scene, "-o", whole, "-q", "-s", 1, "-i", "lt").returncode == 0
-    part, expected = exr.read(out), exr.read(whole)
-    done = part.channels["A"] == 1
-    assert 0.02 < done.mean() < 0.95
-    found, mean = part.channels["G"][done], expected.channels["G"][done].mean()
+    """All of it is splats: those of a share of the light paths count for all of them. A third or so is done, so their sum alone would
+    miss the mean by much more than the six standard errors that are allowed."""
+    width, whole = 1024, tmp_path / "whole.exr"
+    size = 16 * width * width
+    fd, film = memory(size)
+    server = Server("--film", fd, fds=(fd,))
+    scene = frames.scene(size=width, samples=1).replace(frames.settings(), frames.settings(integrator="lt", threads=1))
+    (tmp_path / "scene.stokes").write_bytes(scene)
+    try:
+        server.send(scene[: scene.rindex(b"STKS")] + frames.render(0, 1, film={"shared_fd": fd, "bytes": size}))
+        while np.frombuffer(film[:], "<f4")[3::4].mean() < 0.3:  # from the top row down
+            server.wait("tile", samples=0)
+        server.send(frames.frame("cancel"))
+        assert server.wait("finished")["cancelled"]
+        part = np.frombuffer(film[:], "<f4").reshape(width, width, 4)
+    finally:
+        server.process.kill()
+        server.close()
+        os.close(fd)
+    assert run("render", tmp_path / "scene.stokes", "-o", whole, "-q", "-s", 1).returncode == 0
+    done = part[..., 3] == 1
+    found, mean = part[..., 1][done], exr.read(whole).channels["G"][done].mean()
     error = found.std() / len(found) ** 0.5
-    assert error < 0.03 * mean
+    share = done.mean()
+    assert 0.3 <= share < 0.9 and 6 * error < (1 - share) * mean, (share, error, mean)
     assert abs(found.mean() - mean) < 6 * error
 
 
