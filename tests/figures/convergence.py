@@ -10,7 +10,7 @@ import plots
 from plots import plt
 
 SCENES = ("spheres", "lens", "ufo")
-RESOLUTION, SAMPLES = ((40, 30), 32) if kit.QUICK else ((160, 120), 512)
+RESOLUTION, SAMPLES = ((40, 30), 32) if kit.QUICK else ((160, 120), 256)
 COLUMNS = {  # what is written above, and how it is rendered
     "pt": {"integrator": "pt"},
     "pt_nee": {"integrator": "pt_nee"},

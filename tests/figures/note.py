@@ -14,7 +14,7 @@ LIGHTS = {
     "daylight (D65)": {"illuminant": "D65"},
     "black light (365 nm, 20 nm wide)": {"line": {"center": 365, "width": 20}},
 }
-RESOLUTION, SAMPLES = ((96, 72), 64) if kit.QUICK else ((320, 240), 512)
+RESOLUTION, SAMPLES = ((96, 72), 64) if kit.QUICK else ((240, 180), 128)
 
 
 def matrix():
