@@ -165,7 +165,7 @@ static void draw(const struct worker *w, uint32_t dimension, int count, float u[
 static void connect_light(const struct integrator *it, struct worker *w, int t)
 {
     struct vertex y;
-    struct subpath light = {1, &y};
+    struct subpath light = {1, &y, NULL};
     struct sight sight = {.stamp = 0};
     struct meeting m = {.splat = NULL};
     float u[3];
@@ -178,7 +178,7 @@ static void connect_light(const struct integrator *it, struct worker *w, int t)
 static void connect_camera(const struct integrator *it, struct worker *w, int s)
 {
     struct vertex x;
-    struct subpath camera = {1, &x};
+    struct subpath camera = {1, &x, NULL};
     struct sight sight = {.stamp = 0};
     int pixel[2];
     struct meeting m = {.splat = pixel};

@@ -227,7 +227,7 @@ static void join_light(const struct integrator *it, struct worker *w, const stru
 static void connect_light(const struct integrator *it, struct worker *w, const struct group *run, int x)
 {
     struct vertex y;
-    struct subpath light = {1, &y};
+    struct subpath light = {1, &y, NULL};
     struct sight sight = {.stamp = 0};
     const struct vertex *v = &w->camera.vertex[x];
     uint32_t dimension = DIM_NEE + (uint32_t)(x + 1) * DIMS_PER_NEE;
@@ -274,7 +274,7 @@ static void connect_lens(const struct integrator *it, struct worker *w, const st
                          const struct lit_run *lit, int y)
 {
     struct vertex x;
-    struct subpath lens = {1, &x};
+    struct subpath lens = {1, &x, NULL};
     struct sight sight = {.stamp = 0};
     const struct vertex *v = &w->light.vertex[y];
     uint32_t dimension = DIM_SPLAT + (uint32_t)(y + 1) * DIMS_PER_SPLAT;

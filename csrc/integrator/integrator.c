@@ -119,23 +119,46 @@ static void warn_of_invisible_lights(const struct integrator *it, void (*warn)(v
         }
 }
 
+static bool create_subpath(struct subpath *path)
+{
+    path->vertex = calloc(PATH_VERTICES, sizeof *path->vertex);
+    path->memo = calloc(PATH_VERTICES * MEMOS, sizeof *path->memo);
+    for (int i = 0; path->vertex && path->memo && i < PATH_VERTICES; i++)
+        path->vertex[i].memo = &path->memo[i * MEMOS];
+    return path->vertex && path->memo;
+}
+
+static bool create_worker(const struct integrator *it, struct worker *w)
+{
+    size_t bins = (size_t)it->film->bins;
+    w->gathered.bin = bins ? calloc(bins, sizeof *w->gathered.bin) : NULL;
+    w->sight = calloc((size_t)PATH_VERTICES * PATH_VERTICES, sizeof *w->sight);
+    for (int side = 0; side < SIDES; side++)
+        w->strand[side] = calloc(1, sizeof *w->strand[side]);
+    return create_subpath(&w->camera) && create_subpath(&w->light) && create_subpath(&w->copy) && w->sight &&
+           w->strand[SIDE_LIGHT] && w->strand[SIDE_CAMERA] && (!bins || w->gathered.bin);
+}
+
 static bool create_workers(struct integrator *it, stokes_error *err)
 {
     it->worker = calloc((size_t)it->worker_count, sizeof *it->worker);
-    for (int i = 0; it->worker && i < it->worker_count; i++) {
-        struct worker *w = &it->worker[i];
-        w->camera.vertex = calloc(PATH_VERTICES, sizeof *w->camera.vertex);
-        w->light.vertex = calloc(PATH_VERTICES, sizeof *w->light.vertex);
-        w->copy.vertex = calloc(PATH_VERTICES, sizeof *w->copy.vertex);
-        w->gathered.bin = it->film->bins ? calloc((size_t)it->film->bins, sizeof *w->gathered.bin) : NULL;
-        w->sight = calloc((size_t)PATH_VERTICES * PATH_VERTICES, sizeof *w->sight);
-        for (int side = 0; side < SIDES; side++)
-            w->strand[side] = calloc(1, sizeof *w->strand[side]);
-        if (!w->camera.vertex || !w->light.vertex || !w->copy.vertex || !w->sight || !w->strand[SIDE_LIGHT] ||
-            !w->strand[SIDE_CAMERA] || (it->film->bins && !w->gathered.bin))
-            return fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
+    bool good = it->worker;
+    for (int i = 0; good && i < it->worker_count; i++)
+        good = create_worker(it, &it->worker[i]);
+    return good || fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
+}
+
+static void destroy_worker(struct worker *w)
+{
+    struct subpath *paths[] = {&w->camera, &w->light, &w->copy};
+    for (int i = 0; i < 3; i++) {
+        free(paths[i]->vertex);
+        free(paths[i]->memo);
     }
-    return it->worker || fail(err, "integrator", "memory", "not enough for %d workers", it->worker_count);
+    free(w->gathered.bin);
+    free(w->sight);
+    free(w->strand[SIDE_LIGHT]);
+    free(w->strand[SIDE_CAMERA]);
 }
 
 struct integrator *integrator_create(const struct integrator_settings *settings, const struct scene *scene,
@@ -178,15 +201,8 @@ void integrator_destroy(struct integrator *it)
 {
     if (!it)
         return;
-    for (int i = 0; it->worker && i < it->worker_count; i++) {
-        free(it->worker[i].camera.vertex);
-        free(it->worker[i].light.vertex);
-        free(it->worker[i].copy.vertex);
-        free(it->worker[i].gathered.bin);
-        free(it->worker[i].sight);
-        free(it->worker[i].strand[SIDE_LIGHT]);
-        free(it->worker[i].strand[SIDE_CAMERA]);
-    }
+    for (int i = 0; it->worker && i < it->worker_count; i++)
+        destroy_worker(&it->worker[i]);
     free(it->worker);
     wavelengths_destroy(&it->wavelengths);
     free(it);

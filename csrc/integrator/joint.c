@@ -157,7 +157,7 @@ static void surface_end(struct joint *joint, enum side side)
     struct vec3 to_other = side == SIDE_LIGHT ? joint->y_to_x : negate(joint->y_to_x);
     bool dye = end->as.label == LABEL_FLUORESCENT;
     surface_steps(&v->surface, side, end->as.label, end->as.lobe, v->to_prev, to_other, joint->lanes,
-                  dye ? end->at->lambda : joint->lambda, joint->lambda, &end->steps);
+                  dye ? end->at->lambda : joint->lambda, joint->lambda, v->memo, &end->steps);
     end->disperses = !dye && surface_elastic_disperses(&v->surface, v->to_prev, to_other);
     for (int i = 0; i < joint->lanes; i++)
         end->draw[i] = dye ? end->steps.draw[i] : end->at->draw[i];

@@ -99,6 +99,7 @@ static bool arrive(const struct integrator *it, struct vertex *prev, struct vert
     next->kinds = scene_hit_kinds(it->scene, &next->hit);
     next->label = LABEL_ELASTIC;
     next->disperses = false;
+    next->memo[MEMO_ARRIVING].lanes = next->memo[MEMO_OTHERS].lanes = 0;
     next->unbounded = false;
     next->position = next->hit.position;
     next->to_prev = negate(direction);
@@ -220,7 +221,7 @@ static bool step_lanes(const struct integrator *it, struct worker *w, enum side 
             {drawn->value}, {drawn->pdf}, {drawn->pdf_other}, {drawn->draw}, {drawn->draw_other}};
     else
         surface_steps(&v->surface, side, drawn->label, drawn->lobe, v->to_prev, drawn->direction,
-                      v->lanes_out, v->arrival.lambda + first, v->lambda_out, steps);
+                      v->lanes_out, v->arrival.lambda + first, v->lambda_out, v->memo, steps);
     for (int i = 0; i < v->lanes_out; i++) {
         v->from[i] = (uint8_t)(first + i);
         density[i] = fluoresces && !copies ? chance * (double)steps->draw[i] : chance;

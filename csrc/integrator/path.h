@@ -74,12 +74,13 @@ struct vertex {
     float passage;
     bool disperses; /* passed by a refraction whose direction depends on the wavelength */
     uint8_t bounces[SCATTER_CLASSES];
-    uint32_t kinds;           /* of rays that see this vertex (enum ray_kind) */
-    float pdf_point;          /* VERTEX_LIGHT: of choosing light and point */
-    struct light_point light; /* VERTEX_LIGHT */
-    struct camera_point lens; /* VERTEX_CAMERA */
-    struct hit hit;           /* VERTEX_SURFACE */
-    struct surface surface;   /* VERTEX_SURFACE: evaluates again at any wavelength */
+    uint32_t kinds;            /* of rays that see this vertex (enum ray_kind) */
+    float pdf_point;           /* VERTEX_LIGHT: of choosing light and point */
+    struct light_point light;  /* VERTEX_LIGHT */
+    struct camera_point lens;  /* VERTEX_CAMERA */
+    struct hit hit;            /* VERTEX_SURFACE */
+    struct surface surface;    /* VERTEX_SURFACE: evaluates again at any wavelength */
+    struct surface_memo *memo; /* VERTEX_SURFACE: MEMOS of them, the worker's */
 };
 
 /* Sets what says nothing yet; hit and surface, which are two kilobytes, are left as they are. */
@@ -97,6 +98,7 @@ static inline void vertex_begin(struct vertex *v, enum vertex_kind kind)
 struct subpath {
     int count;
     struct vertex *vertex; /* PATH_VERTICES of them */
+    struct surface_memo *memo;
 };
 
 /* Dimensions of the sample point (random.h). A new one goes to the end of its block: the map has a version. */

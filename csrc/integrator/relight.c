@@ -31,7 +31,7 @@ static void start_again(const struct integrator *it, enum side side, const struc
     case VERTEX_SURFACE: break;
     }
     surface_steps(&v->surface, side, LABEL_FLUORESCENT, v->lobe, v->to_prev, v->to_next, lanes,
-                  v->arrival.lambda, lambda, steps);
+                  v->arrival.lambda, lambda, v->memo, steps);
     memcpy(draw, steps->draw, sizeof steps->draw);
 }
 
@@ -70,7 +70,7 @@ int relight(const struct integrator *it, const struct worker *w, enum side side,
             start_again(it, side, v, lanes, lambda, there->draw, &steps);
         else
             surface_steps(&v->surface, side, v->label, v->lobe, v->to_prev, v->to_next, lanes, lambda, lambda,
-                          &steps);
+                          v->memo, &steps);
         double inverse = 1 / v->drawn;
         for (int k = 0; k < lanes; k++) {
             there->lambda[k] = lambda[k];

@@ -52,7 +52,7 @@ static bool draw_elastic(const struct draw *d, const struct lobe *lobe, struct s
     if (!draw_direction(d, lobe, &leaving))
         return false;
     struct surface_steps step;
-    surface_steps(s, d->side, LABEL_ELASTIC, 0, d->arriving, leaving, 1, &d->lambda, &d->lambda, &step);
+    surface_steps(s, d->side, LABEL_ELASTIC, 0, d->arriving, leaving, 1, &d->lambda, &d->lambda, NULL, &step);
     *out = (struct scatter){
         .label = LABEL_ELASTIC,
         .direction = leaving,
@@ -86,7 +86,8 @@ static bool draw_fluorescent(const struct draw *d, int index, struct scatter *ou
     if (!(pdf > 0) || !draw_direction(d, lobe, &leaving))
         return false;
     struct surface_steps step;
-    surface_steps(s, d->side, LABEL_FLUORESCENT, f, d->arriving, leaving, 1, &d->lambda, &lambda, &step);
+    surface_steps(s, d->side, LABEL_FLUORESCENT, f, d->arriving, leaving, 1, &d->lambda, &lambda, NULL,
+                  &step);
     *out = (struct scatter){
         .label = LABEL_FLUORESCENT,
         .draw = step.draw[0],
@@ -217,11 +218,11 @@ bool surface_step_again(const struct surface *s, enum side side, enum label labe
 
 void surface_steps(const struct surface *s, enum side side, enum label label, int which, struct vec3 arriving,
                    struct vec3 leaving, int lanes, const float lambda_arriving[],
-                   const float lambda_leaving[], struct surface_steps *out)
+                   const float lambda_leaving[], struct surface_memo memo[MEMOS], struct surface_steps *out)
 {
     if (s->is_matte) {
         surface_matte_steps(s, side, label, which, arriving, leaving, lanes, lambda_arriving, lambda_leaving,
-                            out);
+                            memo, out);
         return;
     }
     for (int i = 0; i < lanes; i++) {

@@ -144,9 +144,16 @@ struct surface_steps {
     float value[LANES_MAX], pdf[LANES_MAX], pdf_other[LANES_MAX];
     float draw[LANES_MAX], draw_other[LANES_MAX]; /* of FLUORESCENT: what the wavelengths have of the two pdfs */
 };
+/* What a matte surface (matte.c) says of a bundle whatever the directions, kept for the next time that it is asked for the same one; lanes = 0:
+   nothing yet. A caller that asks a surface often has two: of the bundle that arrives, and of others. */
+struct surface_memo {
+    int lanes;
+    float lambda[LANES_MAX], elastic[LANES_MAX], dyes[2][LANES_MAX]; /* chance of dyes, by side */
+};
+enum memo_use { MEMO_ARRIVING, MEMO_OTHERS, MEMOS };
 void surface_steps(const struct surface *, enum side, enum label, int lobe, struct vec3 arriving,
                    struct vec3 leaving, int lanes, const float lambda_arriving[],
-                   const float lambda_leaving[], struct surface_steps *);
+                   const float lambda_leaving[], struct surface_memo memo[MEMOS], struct surface_steps *);
 
 /* The wavelength that a sub-path of `side` draws at fluorescent lobe f, from a uniform number; and its density. At a wavelength that a
    matrix does not re-emit (nothing of it goes on) *pdf is 0. */

@@ -52,17 +52,44 @@ static void put(struct surface_steps *out, int i, enum side side, float value, f
     out->pdf_other[i] = side == SIDE_CAMERA ? from_light : from_camera;
 }
 
-static void elastic_steps(const struct surface *s, enum side side, float factor, int lanes,
-                          const float lambda[], struct surface_steps *out)
+static bool remembers(const struct surface_memo *memo, int lanes, const float lambda[])
 {
+    bool same = memo->lanes >= lanes;
+    for (int i = 0; i < lanes; i++)
+        same &= memo->lambda[i] == lambda[i];
+    return same;
+}
+
+/* The lanes' sums and chances, from memory or made. `own` is for callers without a memory. */
+static const struct surface_memo *recall(const struct surface *s, int lanes, const float lambda[],
+                                         struct surface_memo *memo, struct surface_memo *own)
+{
+    if (!memo)
+        memo = own;
+    else if (remembers(memo, lanes, lambda))
+        return memo;
+    memo->lanes = lanes;
     for (int i = 0; i < lanes; i++) {
-        float elastic = elastic_sum(s, lambda[i]), dyes_camera = 0, dyes_light = 0;
-        if (s->fluorescent_count > 0) {
-            dyes_camera = chance_of_dyes(s, fluorescent_sum(s, SIDE_CAMERA, lambda[i]), elastic);
-            dyes_light = chance_of_dyes(s, fluorescent_sum(s, SIDE_LIGHT, lambda[i]), elastic);
-        }
-        put(out, i, side, elastic * factor, (1 - dyes_camera) * factor, (1 - dyes_light) / PI_F);
+        float elastic = s->has_elastic ? elastic_sum(s, lambda[i]) : 0;
+        memo->lambda[i] = lambda[i];
+        memo->elastic[i] = elastic;
+        for (int side = 0; side < 2; side++)
+            memo->dyes[side][i] =
+                s->fluorescent_count > 0
+                    ? chance_of_dyes(s, fluorescent_sum(s, (enum side)side, lambda[i]), elastic)
+                    : 0;
     }
+    return memo;
+}
+
+static void elastic_steps(const struct surface *s, enum side side, float factor, int lanes,
+                          const float lambda[], struct surface_memo *memo, struct surface_steps *out)
+{
+    struct surface_memo own;
+    const struct surface_memo *at = recall(s, lanes, lambda, memo, &own);
+    for (int i = 0; i < lanes; i++)
+        put(out, i, side, at->elastic[i] * factor, (1 - at->dyes[SIDE_CAMERA][i]) * factor,
+            (1 - at->dyes[SIDE_LIGHT][i]) / PI_F);
 }
 
 /* The chance of lobe f, which would scatter `own` of what arrives from a side with this wavelength. */
@@ -97,16 +124,23 @@ static struct dye_step dye_between(const struct fluorophore *dye, float in, floa
 }
 
 static void fluorescent_steps(const struct surface *s, enum side side, int f, float factor, int lanes,
-                              const float arriving[], const float leaving[], struct surface_steps *out)
+                              const float arriving[], const float leaving[], struct surface_memo *memo,
+                              struct surface_steps *out)
 {
     const struct lobe *lobe = &s->lobe[s->fluorescent[f]];
     enum side other = side == SIDE_CAMERA ? SIDE_LIGHT : SIDE_CAMERA;
     const float *in = side == SIDE_CAMERA ? leaving : arriving,
                 *back = side == SIDE_CAMERA ? arriving : leaving;
+    struct surface_memo own;
+    bool alone = s->fluorescent_count == 1;
+    const struct surface_memo *at = alone ? recall(s, lanes, arriving, memo, &own) : NULL;
     for (int i = 0; i < lanes; i++) {
         struct dye_step dye = dye_between(lobe_fluorophore(lobe), in[i], back[i]);
-        float from_camera = chance_of_dye(s, SIDE_CAMERA, back[i], lobe->weight * dye.strength[SIDE_CAMERA]);
-        float from_light = chance_of_dye(s, SIDE_LIGHT, in[i], lobe->weight * dye.strength[SIDE_LIGHT]);
+        float here = alone ? at->dyes[side][i]
+                           : chance_of_dye(s, side, arriving[i], lobe->weight * dye.strength[side]);
+        float there = chance_of_dye(s, other, leaving[i], lobe->weight * dye.strength[other]);
+        float from_camera = side == SIDE_CAMERA ? here : there,
+              from_light = side == SIDE_CAMERA ? there : here;
         put(out, i, side, lobe->weight * dye.value * factor, from_camera * dye.draw[SIDE_CAMERA] * factor,
             from_light * dye.draw[SIDE_LIGHT] / PI_F);
         out->draw[i] = dye.draw[side];
@@ -116,7 +150,8 @@ static void fluorescent_steps(const struct surface *s, enum side side, int f, fl
 
 void surface_matte_steps(const struct surface *s, enum side side, enum label label, int f,
                          struct vec3 arriving, struct vec3 leaving, int lanes, const float lambda_arriving[],
-                         const float lambda_leaving[], struct surface_steps *out)
+                         const float lambda_leaving[], struct surface_memo memo[MEMOS],
+                         struct surface_steps *out)
 {
     bool camera = side == SIDE_CAMERA;
     float factor = lambert_factor(s, camera ? leaving : arriving, camera ? arriving : leaving);
@@ -126,8 +161,9 @@ void surface_matte_steps(const struct surface *s, enum side side, enum label lab
             out->draw[i] = out->draw_other[i] = 0;
         }
     } else if (label == LABEL_ELASTIC) {
-        elastic_steps(s, side, factor, lanes, lambda_arriving, out);
+        elastic_steps(s, side, factor, lanes, lambda_arriving, memo ? &memo[MEMO_OTHERS] : NULL, out);
     } else {
-        fluorescent_steps(s, side, f, factor, lanes, lambda_arriving, lambda_leaving, out);
+        fluorescent_steps(s, side, f, factor, lanes, lambda_arriving, lambda_leaving,
+                          memo ? &memo[MEMO_ARRIVING] : NULL, out);
     }
 }

@@ -41,6 +41,7 @@ void surface_chances(const struct surface *, enum side, struct vec3 arriving, fl
 bool surface_lobe_is_matte(const struct lobe *);
 void surface_matte_steps(const struct surface *, enum side, enum label, int f, struct vec3 arriving,
                          struct vec3 leaving, int lanes, const float lambda_arriving[],
-                         const float lambda_leaving[], struct surface_steps *);
+                         const float lambda_leaving[], struct surface_memo memo[MEMOS],
+                         struct surface_steps *out);
 
 #endif
