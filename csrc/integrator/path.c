@@ -46,15 +46,15 @@ static bool passes(const struct worker *w, const struct flight *f, int pass, con
     return passed;
 }
 
-/* What the camera's own ray ends on may be a hole in the picture: all of an object, or the share of a material. True: all of it. */
-static bool is_hole(const struct integrator *it, struct worker *w, const struct material *material,
-                    const struct vertex *next, const struct flight *f)
+/* How much of what a camera's own ray meets is a hole in the picture: all of an object, or the share of a material. */
+static float hole_at(const struct integrator *it, const struct material *material, const struct vertex *next,
+                     const struct flight *f)
 {
-    if (scene_hit_is_holdout(it->scene, &next->hit))
-        w->hole = 1;
-    else
-        w->hole = material_holdout(material, &next->hit, negate(f->ray.direction));
-    return w->hole >= 1;
+    if (next[-1].kind != VERTEX_CAMERA)
+        return 0;
+    return scene_hit_is_holdout(it->scene, &next->hit)
+               ? 1
+               : material_holdout(material, &next->hit, negate(f->ray.direction));
 }
 
 /* Follows the ray to the next surface that scatters it; every emitter on the way is offered to `gather` (camera side).
@@ -73,12 +73,18 @@ static bool fly(const struct integrator *it, struct worker *w, enum side side, s
                 seen.far = length(sub(next->hit.position, f->ray.origin));
             gather_lamps(it, w, &seen, f->passed, !met);
         }
-        if (!met || (next[-1].kind == VERTEX_CAMERA && is_hole(it, w, material, next, f)))
+        if (!met)
             return false;
-        if (side == SIDE_CAMERA && next->hit.light >= 0)
+        float hole = hole_at(it, material, next, f), before = next->passage;
+        if (side == SIDE_CAMERA && hole < 1 && next->hit.light >= 0)
             gather_surface(it, w, &next->hit, f->ray.direction, f->passed);
-        if (!material_may_be_transparent(material) || !passes(w, f, pass, material, next))
+        if (!material_may_be_transparent(material) || !passes(w, f, pass, material, next)) {
+            /* Where it might have passed, what stops counts for all. */
+            w->hole = hole > 0 ? fminf(1, hole * next->passage / before) : w->hole;
+            if (hole >= 1)
+                return false;
             break;
+        }
         f->passed = true;
         if (pass + 1 == PASSES_MAX)
             return false;

@@ -106,6 +106,25 @@ def film_transparent():
     bpy.context.scene.render.film_transparent = True
 
 
+@scene(samples=(128, 384))
+def holdout():
+    """Holes in the picture, whole and in part, that still light, shade and mirror; the film is not transparent."""
+    world(0.4)
+    light('SUN', 2, angle=0.2)
+
+    def half_a_hole(tree):
+        part = tree.node("ShaderNodeMixShader", None, Fac=0.4, Shader=tree.node("ShaderNodeBsdfDiffuse", Color=(0.7, 0.6, 0.4, 1)),
+                         Shader_001=tree.node("ShaderNodeHoldout"))
+        return tree.node("ShaderNodeMixShader", None, Fac=0.3, Shader=part, Shader_001=tree.node("ShaderNodeBsdfTransparent"))
+
+    def glow(tree):
+        return tree.node("ShaderNodeEmission", Color=(0.3, 0.6, 1, 1), Strength=1.5)
+    ball = still_life()[1]
+    link("Veil", plane("Veil"), (0, -2.5, 2), (60, 0, 0)).data.materials.append(material("Half", half_a_hole))
+    ball.data.materials[0] = material("Glow", glow)
+    ball.is_holdout = True
+
+
 @scene(run="long")
 def layer_without_sky():
     still_life()
