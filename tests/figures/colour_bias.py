@@ -1,7 +1,6 @@
 """Figures 8 to 13: colour bias of mollified (2,2)-paths in empty boxes, measured beside predicted."""
 
 import functools
-import subprocess
 
 import numpy as np
 
@@ -71,18 +70,6 @@ def scene(name, walls, kernel="constant", close=True, light=None, low=LAMBDA[0])
     return kit.edited(recording, plots.WORK / "bias.stokes", change)
 
 
-@functools.lru_cache(maxsize=None)
-def knows(kernel):
-    """Whether the core has this kernel."""
-    path = scene("grey", "all", kernel)
-    return (
-        subprocess.run(
-            [kit.CORE, "render", path, "-o", plots.WORK / "try.exr", "--spp", "1", "-q"], capture_output=True
-        ).returncode
-        == 0
-    )
-
-
 def reference(name, walls):
     """Path traced, paths of four vertices."""
     options = {"integrator": "pt_nee", "techniques": "1,3 0,4", "spp": SAMPLES // 2}
@@ -136,15 +123,11 @@ class Patch:
         self.pictures, self.measured, self.noise, self.predicted = [], [], [], []
         for d in WIDTHS:
             self.predicted.append(float(predicted(name, walls, kernel, d)))
-            if knows(kernel):
-                picture = mollified(name, walls, kernel, d)
-                means = (image.mean(axis=(0, 1)) for image in (self.reference, picture))
-                self.pictures.append(picture)
-                self.measured.append(float(difference(*means, luminance_of(name))))
-                self.noise.append(noise(picture, luminance_of(name)))
-            else:
-                exact, moved = acceptance.colours(NM, *walls_of(name, walls), d, kernel)
-                self.pictures.append(self.reference.mean(axis=(0, 1)) * (moved / exact) * np.ones((PIXELS, PIXELS, 1)))
+            picture = mollified(name, walls, kernel, d)
+            means = (image.mean(axis=(0, 1)) for image in (self.reference, picture))
+            self.pictures.append(picture)
+            self.measured.append(float(difference(*means, luminance_of(name))))
+            self.noise.append(noise(picture, luminance_of(name)))
 
     def image(self):
         """The reference on the left, the widths from top to bottom on the right."""
@@ -164,10 +147,7 @@ def strip(name, title, walls, kernel):
             y = (row + 0.5) * PIXELS / 2 - 0.5
             above.text(2 * PIXELS - 0.2, y, "%d" % d, ha="left", va="center", fontsize=7)
         below.plot(WIDTHS, patch.predicted, "-", color="#444444", label="predicted")
-        if patch.measured:
-            below.errorbar(
-                WIDTHS, patch.measured, patch.noise, fmt="o", color="#c1121f", markersize=4, label="measured"
-            )
+        below.errorbar(WIDTHS, patch.measured, patch.noise, fmt="o", color="#c1121f", markersize=4, label="measured")
         below.set_xscale("log")
         below.set_xticks(WIDTHS, [str(d) for d in WIDTHS])
         below.minorticks_off()
@@ -175,9 +155,8 @@ def strip(name, title, walls, kernel):
         below.set_xlabel("d (nm)")
     axes[1][0].set_ylabel("ΔE2000 from the reference")
     axes[1][0].legend(loc="upper left")
-    note = "" if knows(kernel) else "\n(this core has no asymmetric kernel: patches and lines are predicted)"
     figure.suptitle(
-        title + "\nleft half: path traced; right half: mollified with d = 10, 20, 50, 100 nm from top to bottom" + note
+        title + "\nleft half: path traced; right half: mollified with d = 10, 20, 50, 100 nm from top to bottom"
     )
     figure.tight_layout()
     plots.save(figure, name)
@@ -234,12 +213,9 @@ def figure_9():
     for panel, kernel in zip(axes, acceptance.KERNELS):
         for d, color in zip(WIDTHS, plt.cm.viridis(np.linspace(0.1, 0.85, 4))):
             panel.plot(NM, acceptance.given_camera(NM, d, LAMBDA, kernel), color=color, label="d = %d nm" % d)
-            if knows(kernel):
-                nm, ratio = measured_shares(kernel, d)
-                panel.plot(nm, ratio, "o", color=color, markersize=2.5)
-        panel.set_title(
-            "%s kernel%s" % (kernel, "; dots: rendered" if knows(kernel) else " (predicted; not in this core)")
-        )
+            nm, ratio = measured_shares(kernel, d)
+            panel.plot(nm, ratio, "o", color=color, markersize=2.5)
+        panel.set_title("%s kernel; dots: rendered" % kernel)
         panel.set_xlabel("camera wavelength (nm)")
         panel.set_ylim(0, 1.2)
     axes[0].set_ylabel("mollified / exact radiance")
@@ -278,7 +254,7 @@ HEAD = [
 def table(number, patches):
     rows = []
     for patch in patches:
-        measured = ["%.2f ± %.2f" % pair for pair in zip(patch.measured, patch.noise)] or ["–"] * len(WIDTHS)
+        measured = ["%.2f ± %.2f" % pair for pair in zip(patch.measured, patch.noise)]
         cells = " | ".join("%s / %.2f" % pair for pair in zip(measured, patch.predicted))
         rows.append("| %d | %s | %s |" % (number, patch.name, cells))
     return rows
