@@ -26,11 +26,11 @@ def watched(*arguments):
     return subprocess.run([*VALGRIND, STOKES, *map(str, arguments)], capture_output=True, text=True, timeout=300)
 
 
-@pytest.mark.parametrize("integrator", ["mbdpt", "bdpt"])
-def test_a_render_leaks_nothing_and_reads_only_what_was_written(tmp_path, integrator):
+@pytest.mark.parametrize("integrator,lanes", [("mbdpt", 4), ("bdpt", 1), ("bdpt", 8)])
+def test_a_render_leaks_nothing_and_reads_only_what_was_written(tmp_path, integrator, lanes):
     scene, out = tmp_path / "box.stokes", tmp_path / "out.exr"
     scenes.box(scene, resolution=(12, 8))
-    settings = ("--integrator", integrator, "-s", 1, "--spectral-bins", "4:400:700", "--threads", 2)
+    settings = ("--integrator", integrator, "--lanes", lanes, "-s", 1, "--spectral-bins", "4:400:700", "--threads", 2)
     result = watched("render", scene, "-o", out, "--quiet", *settings)
     assert (result.returncode, result.stderr) == (0, ""), result.stderr
     assert exr.read(out).sums().any()
