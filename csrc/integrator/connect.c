@@ -48,12 +48,19 @@ static void mollified_end(const struct integrator *it, struct joint *joint, enum
     }
 }
 
-/* What arrives at a vertex, with its lanes turned by `shift`, so that lane i of it meets lane i + shift of the other side. */
-static void turn(const struct arrival *from, int lanes, int shift, struct arrival *to)
+/* Lanes of the two sides that the kernel lets meet. */
+struct pairs {
+    int count;
+    uint8_t lane[SIDES][LANES_MAX];
+    double density[LANES_MAX];
+};
+
+/* What arrives at a vertex, lane by lane as the pairs have it. */
+static void pick(const struct arrival *from, const struct pairs *pairs, enum side side, struct arrival *to)
 {
     *to = *from;
-    for (int i = 0; i < lanes; i++) {
-        int k = (i + shift) % lanes;
+    for (int i = 0; i < pairs->count; i++) {
+        int k = pairs->lane[side][i];
         to->lambda[i] = from->lambda[k];
         to->draw[i] = from->draw[k];
         to->throughput[i] = from->throughput[k];
@@ -62,49 +69,55 @@ static void turn(const struct arrival *from, int lanes, int shift, struct arriva
     }
 }
 
-/* Lanes that the kernel accepts have density 1/k(λc|λl) for the two wavelengths' one (algorithm.md §5); the others none. */
-static bool accept(const struct integrator *it, const struct worker *w, const float light[LANES_MAX],
-                   const float camera[LANES_MAX], int lanes, int pairs, double density[LANES_MAX])
-{
-    bool any = false;
-    for (int i = 0; i < lanes; i++) {
-        float k = kernel_density(it->settings.kernel, light[i], camera[i], w->half_width_nm);
-        density[i] = pairs / (double)k;
-        any |= k > 0;
-    }
-    return any;
-}
-
-/* Each light lane with each camera lane. */
-static void join_elastic(const struct integrator *it, struct worker *w, struct meeting *m)
+static void join_pairs(const struct integrator *it, struct worker *w, struct meeting *m,
+                       const struct pairs *pairs)
 {
     struct joint *joint = &m->joint;
     struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
-    const struct arrival *traced = y->at;
-    bool light_side = it->settings.mollify_side == SIDE_LIGHT;
-    int shifts = traced->lanes > 1 && x->at->lanes > 1 ? joint->lanes : 1;
-    for (int shift = 0; shift < shifts; shift++) {
-        struct arrival turned;
-        double density[LANES_MAX];
-        if (shift > 0) {
-            turn(traced, joint->lanes, shift, &turned);
-            y->at = &turned;
+    const struct arrival *of_y = y->at, *of_x = x->at;
+    struct arrival at_y, at_x;
+    float film[LANES_MAX];
+    pick(of_y, pairs, SIDE_LIGHT, &at_y);
+    pick(of_x, pairs, SIDE_CAMERA, &at_x);
+    for (int i = 0; i < pairs->count; i++)
+        film[i] = x->vertex->lambda_film[pairs->lane[SIDE_CAMERA][i]];
+    y->at = &at_y;
+    x->at = &at_x;
+    joint->lanes = pairs->count;
+    memcpy(joint->lane, pairs->lane, sizeof joint->lane);
+    enum side blurred = it->settings.mollify_side, sharp = blurred == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
+    memcpy(joint->lambda, joint->end[sharp].at->lambda, sizeof joint->lambda);
+    mollified_end(it, joint, blurred, w->half_width_nm);
+    joint_evaluate_end(it, joint, sharp);
+    joint_contribute(it, w, joint, pairs->density, film, m->splat);
+    y->at = of_y;
+    x->at = of_x;
+    memcpy(joint->lane, joint_straight, sizeof joint->lane);
+}
+
+/* Each light lane with each camera lane: those that the kernel accepts, as full bundles of pairs. A pair's density is 1/k(λc|λl) for the two
+   wavelengths' one (algorithm.md §5). */
+static void join_elastic(const struct integrator *it, struct worker *w, struct meeting *m)
+{
+    const struct arrival *y = m->joint.end[SIDE_LIGHT].at, *x = m->joint.end[SIDE_CAMERA].at;
+    int all = y->lanes * x->lanes;
+    struct pairs pairs = {.count = 0};
+    for (int i = 0; i < all; i++) {
+        int of_y = i % y->lanes, of_x = i / y->lanes;
+        float k = kernel_density(it->settings.kernel, y->lambda[of_y], x->lambda[of_x], w->half_width_nm);
+        if (k > 0) {
+            pairs.lane[SIDE_LIGHT][pairs.count] = (uint8_t)of_y;
+            pairs.lane[SIDE_CAMERA][pairs.count] = (uint8_t)of_x;
+            pairs.density[pairs.count++] = all / (double)k;
         }
-        m->joint.turned = shift;
-        if (!accept(it, w, y->at->lambda, x->at->lambda, joint->lanes, shifts, density))
-            continue;
-        memcpy(joint->lambda, light_side ? x->at->lambda : y->at->lambda, sizeof joint->lambda);
-        if (light_side) {
-            mollified_end(it, joint, SIDE_LIGHT, w->half_width_nm);
-            joint_evaluate_end(it, joint, SIDE_CAMERA);
-        } else {
-            joint_evaluate_end(it, joint, SIDE_LIGHT);
-            mollified_end(it, joint, SIDE_CAMERA, w->half_width_nm);
+        if (pairs.count == it->lanes || (i + 1 == all && pairs.count > 0)) {
+            /* joint_contribute takes the mean of a bundle. */
+            for (int j = 0; j < pairs.count; j++)
+                pairs.density[j] /= pairs.count;
+            join_pairs(it, w, m, &pairs);
+            pairs.count = 0;
         }
-        contribute(it, w, m, density);
     }
-    y->at = traced;
-    m->joint.turned = 0;
 }
 
 /* --- The table of algorithm.md §5 ------------------------------------------------------------------------------- */
@@ -167,7 +180,8 @@ static void connect_light(const struct integrator *it, struct worker *w, int t)
     struct vertex y;
     struct subpath light = {1, &y, NULL};
     struct sight sight = {.stamp = 0};
-    struct meeting m = {.splat = NULL};
+    struct meeting m;
+    m.splat = NULL;
     float u[3];
     draw(w, DIM_NEE + (uint32_t)t * DIMS_PER_NEE, 3, u);
     if (path_light_vertex(it, u, &y))
@@ -181,7 +195,8 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
     struct subpath camera = {1, &x, NULL};
     struct sight sight = {.stamp = 0};
     int pixel[2];
-    struct meeting m = {.splat = pixel};
+    struct meeting m; /* a kilobyte that is not worth clearing */
+    m.splat = pixel;
     float u[4];
     draw(w, DIM_SPLAT + (uint32_t)s * DIMS_PER_SPLAT, 4, u);
     if (joint_camera_vertex(it, &w->light.vertex[s - 1], &x, u, pixel, &m.joint.pdf_camera_direction))
@@ -191,7 +206,8 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
 void connect_all(const struct integrator *it, struct worker *w)
 {
     const struct integrator_settings *settings = &it->settings;
-    struct meeting m = {.splat = NULL};
+    struct meeting m;
+    m.splat = NULL;
     for (int t = 2; t <= w->camera.count; t++) {
         if (!w->camera.vertex[t - 1].surface.connects)
             continue;

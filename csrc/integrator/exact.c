@@ -106,7 +106,7 @@ static void join(const struct integrator *it, struct worker *w, struct joint *jo
 static void join_taps(const struct integrator *it, struct worker *w, const struct taps *light,
                       const struct taps *camera, const struct bundle *mu)
 {
-    struct joint joint = {.turned = 0};
+    struct joint joint;
     bool copied = light->path == &w->copy;
     for (int y = light->first; y < light->end; y++) {
         if (!can_end(&light->path->vertex[y], light->group->as))
@@ -205,7 +205,7 @@ static void join_light(const struct integrator *it, struct worker *w, const stru
                        const struct group *g, int x, uint32_t dimension, struct sight *sight)
 {
     struct taps y = {light, &end_group, 0, 1, NULL}, taps = {&w->camera, g, x, x + 1, NULL};
-    struct joint joint = {.turned = 0};
+    struct joint joint;
     struct bundle mu;
     if (g->dispersive <= x) {
         bundle_traced(it, &w->camera, g, &mu);
@@ -249,7 +249,8 @@ static void join_lens(const struct integrator *it, struct worker *w, const struc
                       struct sight *sight, const int pixel[2])
 {
     struct taps x = {lens, &end_group, 0, 1, NULL};
-    struct joint joint = {.turned = 0, .pdf_camera_direction = pdf_direction};
+    struct joint joint; /* a kilobyte that is not worth clearing: joint_open and joint_set_end fill it */
+    joint.pdf_camera_direction = pdf_direction;
     join(it, w, &joint, light, y, &x, 0, mu, sight, pixel);
 }
 

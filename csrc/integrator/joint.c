@@ -1,6 +1,8 @@
 /* Edges between sub-paths: geometry, ends, visibility; and where a contribution goes. */
 #include "integrator/joint.h"
 
+#include <string.h>
+
 #include "integrator/relight.h"
 #include "integrator/tally.h"
 
@@ -17,6 +19,8 @@ int joint_choices(const struct vertex *v, struct choice out[CHOICES_MAX])
         out[count++] = (struct choice){LABEL_FLUORESCENT, f};
     return count;
 }
+
+const uint8_t joint_straight[SIDES][LANES_MAX] = {{0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}};
 
 /* --- The edge ---------------------------------------------------------------------------------------------- */
 
@@ -48,6 +52,7 @@ bool joint_open(struct joint *joint, const struct vertex *y, const struct vertex
         sight->state = look(y, x, sight) ? SIGHT_OPEN : SIGHT_NOTHING;
     }
     joint->sight = sight;
+    memcpy(joint->lane, joint_straight, sizeof joint->lane);
     joint->y_to_x = sight->y_to_x;
     joint->geometry = sight->geometry;
     return sight->state != SIGHT_NOTHING;

@@ -46,11 +46,14 @@ struct joint {
     struct joint_end end[SIDES];
     /* Of the labels and wavelengths at hand: */
     int lanes;
-    int turned; /* lane i is lane i + turned of the light sub-path */
+    uint8_t lane[SIDES][LANES_MAX]; /* which lane of either sub-path each is */
     float lambda[LANES_MAX];
     int source, sink; /* of the connecting run */
     int dyes;         /* F vertices of the path */
 };
+
+/* Lanes meet by number. */
+extern const uint8_t joint_straight[SIDES][LANES_MAX];
 
 /* Direction and geometry of an edge. False if it has no length, is at infinity at both ends, or is known to be blocked. */
 bool joint_open(struct joint *, const struct vertex *y, const struct vertex *x, uint32_t stamp,

@@ -75,8 +75,8 @@ void full_path_of_joint(const struct integrator *it, const struct worker *w, con
     path->reach_nm = w->reach_nm;
     path->light = &y->path->vertex[0].light;
     path->pdf_point = y->path->vertex[0].pdf_point;
-    put_side(path, SIDE_LIGHT, y->path, joint->s - 1, y->strand, (lane + joint->turned) % joint->lanes);
-    put_side(path, SIDE_CAMERA, x->path, joint->t - 1, x->strand, lane);
+    put_side(path, SIDE_LIGHT, y->path, joint->s - 1, y->strand, joint->lane[SIDE_LIGHT][lane]);
+    put_side(path, SIDE_CAMERA, x->path, joint->t - 1, x->strand, joint->lane[SIDE_CAMERA][lane]);
     put_end(path, y, SIDE_LIGHT, joint->s - 1, lane);
     put_end(path, x, SIDE_CAMERA, joint->t - 1, lane);
     path->step[joint->s].geometry = joint->geometry;
