@@ -24,6 +24,8 @@ static const char help[] =
     "      --techniques LIST    only these light and camera vertex counts, as \"2,2 3,1\"; \"\" is all\n"
     "      --max-path N         edges of the longest path\n"
     "      --lanes N            wavelengths that each path carries: 1, 4 or 8\n"
+    "      --shared-wavelength  mbdpt without its kernel, both sub-paths at one wavelength: a study, for scenes\n"
+    "                           without fluorescence\n"
     "      --connectable-only   without the paths that no connection can make, such as a lamp seen through two\n"
     "                           pieces of glass; the report says how much light they bring\n"
     "      --d0 NM              half-width of the first sample's spectral kernel\n"
@@ -113,6 +115,7 @@ enum {
     OPTION_SHRINK,
     OPTION_BINS,
     OPTION_CONNECTABLE_ONLY,
+    OPTION_SHARED_WAVELENGTH,
     OPTION_KERNEL,
     OPTION_LANES,
     OPTION_SEED,
@@ -126,6 +129,7 @@ static const struct option options[] = {
     {"integrator", required_argument, NULL, 'i'},
     {"techniques", required_argument, NULL, OPTION_TECHNIQUES},
     {"max-path", required_argument, NULL, OPTION_MAX_PATH},
+    {"shared-wavelength", no_argument, NULL, OPTION_SHARED_WAVELENGTH},
     {"connectable-only", no_argument, NULL, OPTION_CONNECTABLE_ONLY},
     {"kernel", required_argument, NULL, OPTION_KERNEL},
     {"lanes", required_argument, NULL, OPTION_LANES},
@@ -202,6 +206,7 @@ static bool read_option(int option, struct job *job)
     case 'h': job->shows_help = true; return true;
     case OPTION_TECHNIQUES: o->techniques = optarg; return true;
     case OPTION_MAX_PATH: return read_int(optarg, &o->max_path);
+    case OPTION_SHARED_WAVELENGTH: o->shared_wavelength = true; return true;
     case OPTION_CONNECTABLE_ONLY: o->connectable_only = true; return true;
     case OPTION_KERNEL: o->kernel = optarg; return true;
     case OPTION_LANES: return read_int(optarg, &o->lanes);

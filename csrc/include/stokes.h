@@ -57,6 +57,7 @@ typedef struct stokes_overrides {
     const char *integrator; /* "pt", "pt_nee", "lt", "mbdpt", "bdpt" */
     int64_t seed;
     int first_sample, end_sample; /* [first, end) */
+    bool shared_wavelength;       /* mbdpt without its kernel, both sub-paths at one wavelength */
     bool connectable_only;        /* leave out paths that no connection can make */
     int lanes;                    /* 1, 4 or 8 wavelengths a path */
     int threads;                  /* 0: all processors */

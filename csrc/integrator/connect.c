@@ -122,13 +122,28 @@ static void join_elastic(const struct integrator *it, struct worker *w, struct m
 
 /* --- The table of algorithm.md §5 ------------------------------------------------------------------------------- */
 
+/* The one wavelength of both sub-paths, and its density, where the camera's sub-path has not paid it. */
+static void share_lambda(const struct integrator *it, struct joint *joint, double density[LANES_MAX])
+{
+    const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
+    bool paid = x->vertex->kind != VERTEX_CAMERA;
+    joint->lanes = 1;
+    joint->lambda[0] = paid                              ? x->at->lambda[0]
+                       : y->vertex->kind == VERTEX_LIGHT ? y->vertex->lambda_out[0]
+                                                         : y->at->lambda[0];
+    density[0] = paid ? 1 : spectrum_pdf(it->wavelengths.camera, joint->lambda[0]);
+}
+
 /* One end at least fluoresces: the other says what the wavelength is, or the product of both does. */
 static void join_fluorescent(const struct integrator *it, struct worker *w, struct meeting *m, int pair)
 {
     struct joint *joint = &m->joint;
     const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
     double product[LANES_MAX], *density = NULL;
-    if (y->as.label == LABEL_ELASTIC) {
+    if (it->settings.shared_wavelength) {
+        share_lambda(it, joint, product);
+        density = product;
+    } else if (y->as.label == LABEL_ELASTIC) {
         memcpy(joint->lambda, y->at->lambda, sizeof joint->lambda);
     } else if (x->as.label == LABEL_ELASTIC) {
         memcpy(joint->lambda, x->at->lambda, sizeof joint->lambda);
@@ -161,7 +176,8 @@ static void join(const struct integrator *it, struct worker *w, struct meeting *
             m->joint.lanes = y->arrival.lanes > x->arrival.lanes ? y->arrival.lanes : x->arrival.lanes;
             if (!joint_is_allowed(it, &m->joint))
                 continue;
-            if (of_y[i].label == LABEL_ELASTIC && of_x[j].label == LABEL_ELASTIC)
+            if (of_y[i].label == LABEL_ELASTIC && of_x[j].label == LABEL_ELASTIC &&
+                !it->settings.shared_wavelength)
                 join_elastic(it, w, m);
             else
                 join_fluorescent(it, w, m, i * CHOICES_MAX + j);

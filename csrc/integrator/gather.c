@@ -92,7 +92,7 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
     float draw[LANES_MAX], fwd[LANES_MAX], direction = scene_pdf_light_direction(it->scene, light, back);
     double pdf_point = scene_pdf_light(it->scene, light);
     for (int i = 0; i < it->lanes; i++) {
-        draw[i] = scene_pdf_light_lambda(it->scene, light, at->lambda[i]);
+        draw[i] = path_light_draw(it, light, at->lambda[i]);
         fwd[i] = draw[i] * direction;
     }
     if (it->cuts != CUTS_CHOSEN)

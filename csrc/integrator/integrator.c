@@ -193,6 +193,12 @@ struct integrator *integrator_create(const struct integrator_settings *settings,
         integrator_destroy(it);
         return NULL;
     }
+    if (settings->shared_wavelength && (it->exact || it->lanes > 1 || it->wavelengths.fluorophores > 0)) {
+        fail(err, "settings", "shared_wavelength",
+             "is for mbdpt, one lane, and a scene without fluorescence");
+        integrator_destroy(it);
+        return NULL;
+    }
     warn_of_invisible_lights(it, warn, user);
     return it;
 }

@@ -24,6 +24,9 @@ struct integrator_settings {
     float lambda_min, lambda_max;
     float filter_width; /* pixels */
     bool film_transparent;
+    /* Study: both sub-paths at one wavelength instead of a kernel, in scenes without fluorescence: the method that the published one is compared
+       with. */
+    bool shared_wavelength;
     bool connectable_only;                          /* leave out paths that no connection can make */
     bool all_techniques;                            /* else only those with technique[s][t] */
     bool technique[TECHNIQUES_MAX][TECHNIQUES_MAX]; /* [s][t]: light and camera vertices */

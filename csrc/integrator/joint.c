@@ -137,7 +137,7 @@ static void light_end(const struct integrator *it, struct joint *joint)
     const struct light_point *light = &end->vertex->light;
     float direction = scene_pdf_light_direction(it->scene, light, joint->y_to_x);
     for (int i = 0; i < joint->lanes; i++) {
-        end->draw[i] = scene_pdf_light_lambda(it->scene, light, joint->lambda[i]);
+        end->draw[i] = path_light_draw(it, light, joint->lambda[i]);
         end->steps.value[i] = scene_light_emission(it->scene, light, joint->y_to_x, joint->lambda[i]);
         end->steps.pdf[i] = end->draw[i] * direction;
         end->steps.pdf_other[i] = 0;

@@ -71,6 +71,9 @@ static double absorbed_density(const struct integrator *it, const struct full_pa
 
 static double mollified_wavelength(const struct integrator *it, const struct full_path *path, int c)
 {
+    if (it->settings
+            .shared_wavelength) /* drawn once, by the camera, whose density a sub-path of its own holds already */
+        return c == path->edges ? spectrum_pdf(it->wavelengths.camera, path->step[c].lambda) : 1;
     switch (is_fluorescent(path, c - 1) + is_fluorescent(path, c)) {
     case 2: return product_density(it, path, source_at(it, path, c - 1), c, c);
     case 1: return 1;

@@ -242,6 +242,13 @@ static bool first_lambdas(const struct integrator *it, struct worker *w, struct 
 {
     struct copying *copying = w->copying;
     float u[LANES_MAX];
+    if (it->settings.shared_wavelength) { /* the camera's: nothing is drawn here */
+        v->lanes_out = 1;
+        v->lambda_out[0] = spectrum_sample(it->wavelengths.camera, random_at(w->random, DIM_LAMBDA), pdf);
+        pdf[0] = 1;
+        drawn[0] = 1;
+        return true;
+    }
     double chance = copying ? bundle_choose_copy(w, copying, block + DIM_LAMBDA) : 1;
     bool copies = copying && copying->taken >= 0;
     v->lanes_out = copying ? 1 : it->lanes;

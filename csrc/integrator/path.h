@@ -209,6 +209,13 @@ static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)
     return 0;
 }
 
+/* Density with which a light sub-path draws its first wavelength; 1 where it shares the camera's. */
+static inline float path_light_draw(const struct integrator *it, const struct light_point *light,
+                                    float lambda)
+{
+    return it->settings.shared_wavelength ? 1 : scene_pdf_light_lambda(it->scene, light, lambda);
+}
+
 /* The kind of ray that leaves a vertex after scattering there, towards the light. */
 uint32_t path_ray_kind(enum scatter_class);
 

@@ -106,7 +106,9 @@ static void through_mollified(const struct integrator *it, const struct worker *
 {
     bool dye_before = here->first, dye_here = p->label == LABEL_FLUORESCENT;
     double link[LANES_MAX];
-    if (dye_before && dye_here)
+    if (it->settings.shared_wavelength)
+        link[0] = p->side == SIDE_CAMERA && here->first ? here->draw[0] : 1;
+    else if (dye_before && dye_here)
         product_densities(it, p->side == SIDE_LIGHT ? here->origin : p->partner,
                           p->side == SIDE_LIGHT ? p->partner : here->origin, it->lanes, here->lambda, link);
     else
@@ -282,7 +284,9 @@ static void weigh_mollified(const struct integrator *it, const struct worker *w,
 {
     const struct joint_end *end_y = &j->end[SIDE_LIGHT], *end_x = &j->end[SIDE_CAMERA];
     double link[LANES_MAX];
-    if (y->is_start && x->is_start)
+    if (it->settings.shared_wavelength)
+        link[0] = x->is_start ? end_x->draw[0] : 1;
+    else if (y->is_start && x->is_start)
         product_densities(it, j->source, j->sink, j->lanes, j->lambda, link);
     else
         for (int i = 0; i < j->lanes; i++)

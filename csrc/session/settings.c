@@ -122,6 +122,8 @@ bool session_settings_override(struct session_settings *settings, const stokes_o
         return fail(err, "settings", "seed", "%lld does not fit 32 bits", (long long)o->seed);
     if (o->seed >= 0)
         s->seed = (uint32_t)o->seed;
+    if (o->shared_wavelength)
+        s->shared_wavelength = true;
     if (o->connectable_only)
         s->connectable_only = true;
     if (o->lanes >= 0)

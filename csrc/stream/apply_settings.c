@@ -25,6 +25,7 @@ static const struct field settings_fields[] = {
     {"lambda_max", FIELD_FLOAT, false, AT(integrator.lambda_max), 0, 0, 1e6},
     {"filter_width", FIELD_FLOAT, false, AT(integrator.filter_width), 0, 0, 1e6},
     {"film_transparent", FIELD_BOOL, false, AT(integrator.film_transparent), 0, 0, 0},
+    {"shared_wavelength", FIELD_BOOL, false, AT(integrator.shared_wavelength), 0, 0, 0},
     {"connectable_only", FIELD_BOOL, false, AT(integrator.connectable_only), 0, 0, 0},
     {"threads", FIELD_INT, false, AT(threads), 0, 0, INT_MAX},
     {"time_limit", FIELD_DOUBLE, false, AT(time_limit_s), 0, 0, DBL_MAX},

@@ -99,6 +99,10 @@ static void a_wide_kernel_is_exact_on_grey(void **state)
     struct batches reference = mean_below(scene, settings_of("bdpt", 4), 48),
                    other = mean_below(scene, mollified, 48);
     assert_same(&reference, &other, 1, (struct power){.sees_error = 0.011});
+    mollified.lanes = 1;
+    mollified.shared_wavelength = true;
+    other = mean_below(scene, mollified, 32);
+    assert_same(&reference, &other, 1, (struct power){.sees_error = 0.015});
     scene_destroy(scene);
 }
 

@@ -30,6 +30,7 @@ struct subject {
     bool lenses, inner;
     int edges, samples;
     enum kernel kernel;
+    bool shared; /* in a grey box, one wavelength for both sub-paths */
 };
 
 /* What technique (path length, cut) gave itself, and what its density claims of everybody's samples. */
@@ -131,6 +132,7 @@ static struct integrator_settings settings_of(const struct subject *subject)
     settings.name = subject->name;
     settings.lanes = subject->lanes;
     settings.kernel = subject->kernel;
+    settings.shared_wavelength = subject->shared;
     settings.d0_nm = 4;
     settings.shrink = 0;
     settings.max_path = subject->edges;
@@ -145,7 +147,8 @@ static struct integrator_settings settings_of(const struct subject *subject)
 static void techniques_deliver_what_they_claim(void **state)
 {
     const struct subject *subject = *state;
-    struct scene *scene = box_scene(range, subject->lenses, PIXELS);
+    struct scene *scene =
+        subject->shared ? grey_box_scene(range, PIXELS) : box_scene(range, subject->lenses, PIXELS);
     int border[4] = {0, 0, PIXELS, PIXELS};
     struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
     struct integrator_settings settings = settings_of(subject);
@@ -237,20 +240,22 @@ static void copied_wavelengths_bring_what_a_path_tracer_finds(void **state)
 
 int main(void)
 {
-    static struct subject mbdpt = {"mbdpt", 1, false, false, 5, 32, KERNEL_CONSTANT},
-                          mbdpt_4 = {"mbdpt", 4, false, false, 5, 24, KERNEL_CONSTANT},
-                          mbdpt_inner = {"mbdpt", 8, false, true, 5, 48, KERNEL_CONSTANT},
-                          mbdpt_box = {"mbdpt", 8, false, true, 5, 24, KERNEL_BOX},
-                          mbdpt_asymmetric = {"mbdpt", 8, false, true, 5, 24, KERNEL_ASYMMETRIC},
-                          mbdpt_glass = {"mbdpt", 4, true, false, 5, 72, KERNEL_CONSTANT},
-                          bdpt = {"bdpt", 1, false, false, 5, 48, KERNEL_CONSTANT},
-                          bdpt_4 = {"bdpt", 4, false, false, 5, 96, KERNEL_CONSTANT},
-                          bdpt_glass = {"bdpt", 1, true, false, 7, 96, KERNEL_CONSTANT},
-                          bdpt_4_glass = {"bdpt", 4, true, false, 7, 80, KERNEL_CONSTANT};
+    static struct subject mbdpt = {"mbdpt", 1, false, false, 5, 32, KERNEL_CONSTANT, false},
+                          mbdpt_4 = {"mbdpt", 4, false, false, 5, 24, KERNEL_CONSTANT, false},
+                          mbdpt_inner = {"mbdpt", 8, false, true, 5, 48, KERNEL_CONSTANT, false},
+                          mbdpt_shared = {"mbdpt", 1, false, false, 5, 24, KERNEL_CONSTANT, true},
+                          mbdpt_box = {"mbdpt", 8, false, true, 5, 24, KERNEL_BOX, false},
+                          mbdpt_asymmetric = {"mbdpt", 8, false, true, 5, 24, KERNEL_ASYMMETRIC, false},
+                          mbdpt_glass = {"mbdpt", 4, true, false, 5, 72, KERNEL_CONSTANT, false},
+                          bdpt = {"bdpt", 1, false, false, 5, 48, KERNEL_CONSTANT, false},
+                          bdpt_4 = {"bdpt", 4, false, false, 5, 96, KERNEL_CONSTANT, false},
+                          bdpt_glass = {"bdpt", 1, true, false, 7, 96, KERNEL_CONSTANT, false},
+                          bdpt_4_glass = {"bdpt", 4, true, false, 7, 80, KERNEL_CONSTANT, false};
     const struct CMUnitTest tests[] = {cmocka_unit_test(copied_wavelengths_bring_what_a_path_tracer_finds),
                                        TEST_OF(mbdpt),
                                        TEST_OF(mbdpt_4),
                                        TEST_OF(mbdpt_inner),
+                                       TEST_OF(mbdpt_shared),
                                        TEST_OF(mbdpt_box),
                                        TEST_OF(mbdpt_asymmetric),
                                        TEST_OF(mbdpt_glass),
