@@ -20,7 +20,7 @@ KERNELS = ((25, 0.4), (50, 0.2), (100, 0.1), PREVIEW)
 def columns():
     found = {}
     if kit.has_option("shared-wavelength"):
-        found[UNMOLLIFIED] = ["--shared-wavelength"], {"integrator": "bdpt"}
+        found[UNMOLLIFIED] = ["--shared-wavelength"], {"integrator": "mbdpt", "lanes": 1}
     for d0, s in KERNELS:
         found[kernel_title(d0, s)] = [], {"integrator": "mbdpt", "d0": d0, "shrink": s}
     found["exact bdpt"] = [], {"integrator": "bdpt"}
