@@ -107,22 +107,24 @@ PLACES = {
     "mbdpt": (("furnace", "d65"), ("sphere_with_patch", "uv")),
     "bdpt": (("furnace", "d65"), ("sphere_with_patch", "uv")),
 }
-# With one wavelength a path and with many. At a dye bundles are no help to `pt` and `pt_nee`, whose rare bright samples would
-# take minutes to average.
-LANES = {
-    "elastic": dict.fromkeys(INTEGRATORS, (4,)),
-    "fluorescent": {"pt": (1,), "pt_nee": (1,), "lt": (1, 8), "mbdpt": (1, 8), "bdpt": (1, 8)},
-}
+def lanes_of(material, light, integrator):
+    """With one wavelength a path and with many. At a dye bundles are no help to `pt` and `pt_nee`, whose rare bright samples
+    would take minutes to average."""
+    if material == "elastic":
+        return 4
+    return 1 if integrator in ("pt", "pt_nee") or light == "uv" else 8
+
+
 CASES = [
-    (shape, material, light, integrator, lanes)
+    (shape, material, light, integrator, lanes_of(material, light, integrator))
     for integrator in INTEGRATORS
     for shape, light in PLACES[integrator]
     for material in scenes.MATERIALS
-    for lanes in LANES[material][integrator]
 ] + [("sphere_with_lamp", "elastic", "d65", "pt_nee", 4)]
 
+# In bundles wherever they help, whatever the light.
 LONG_CASES = [
-    (shape, material, light, integrator, LANES[material][integrator][-1])
+    (shape, material, light, integrator, lanes_of(material, "d65", integrator))
     for shape in ("furnace", "sphere_with_patch")
     for light in scenes.LIGHTS
     for material in scenes.MATERIALS
