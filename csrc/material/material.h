@@ -26,8 +26,9 @@ enum side { SIDE_LIGHT, SIDE_CAMERA };
 
 #define SURFACE_LOBES 8
 
-/* P_F is at most this wherever there is an elastic part (algorithm.md §4, algorithm.md §9). */
-#define FLUORESCENT_CHANCE_MAX 0.8f
+/* P_F is at most this wherever there is an elastic part (algorithm.md §4). A run that is evaluated again at another wavelength (§9) owes the ratio of the
+   two elastic chances at each vertex: with a chance of 1 − P and reflectance g its second moment grows by g²/(1 − P), which must stay below 1. */
+#define FLUORESCENT_CHANCE_MAX 0.5f
 
 /* A colour at a surface: 1, a spectrum, or RGB-upsampled coefficients, times a scale. */
 struct spectral_value {
