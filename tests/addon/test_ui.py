@@ -65,6 +65,9 @@ def undo():
 STEPS = ['RENDER', 'OUTPUT', 'VIEW_LAYER', 'SCENE', 'WORLD', 'OBJECT', 'MATERIAL', 'NODES', 'UNDO',
          'LIGHT POINT', 'LIGHT SUN', 'LIGHT SPOT', 'LIGHT AREA']
 
+# While a preview is being made, in a thread of its own, Blender refuses writes and operators of every other script.
+BUSY = ("can't modify blend data in this state", "Writing to ID classes in this context is not allowed")
+
 def step():
     try:
         if not STEPS:
@@ -74,14 +77,12 @@ def step():
         show(STEPS[0])
         seen.append(STEPS.pop(0))
         return 0.4
-    except RuntimeError as error:
-        if "can't modify blend data in this state" in str(error):  # a preview is being made: later
+    except Exception as error:
+        if any(words in str(error) for words in BUSY):
             return 0.2
         traceback.print_exc()
-    except Exception:
-        traceback.print_exc()
-    bpy.ops.wm.quit_blender()
-    return None
+        sys.stdout.flush()
+        os._exit(1)
 
 bpy.app.timers.register(step, first_interval=1)
 """
