@@ -44,9 +44,11 @@ def assert_same_bits(first, second):
         assert np.array_equal(first.channels[name], second.channels[name])
 
 
-def test_threads_change_no_bit(core, scene, integrator):
+@pytest.mark.parametrize("lanes", [1, 4, 8])
+def test_threads_change_no_bit(core, scene, integrator, lanes):
     pictures = [
-        core.render(scene, integrator=integrator, seed=3, samples=16, threads=threads, **BINS) for threads in (1, 2, 5)
+        core.render(scene, integrator=integrator, seed=3, samples=16, threads=threads, lanes=lanes, **BINS)
+        for threads in (1, 2, 5)
     ]
     assert pictures[0].sums().any()
     assert_same_bits(pictures[0], pictures[1])
@@ -58,11 +60,13 @@ def test_seeds_change_the_picture(core, scene, integrator):
     assert not np.array_equal(first.sums(), second.sums())
 
 
-def test_merged_sample_ranges_equal_one_render(core, small_scene, integrator, tmp_path):
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_merged_sample_ranges_equal_one_render(core, small_scene, integrator, lanes, tmp_path):
     """Whatever the order of merging; mbdpt's kernel width depends on the global sample index."""
-    whole = core.render(small_scene, integrator=integrator, seed=3, samples="0:128", **BINS)
+    same = dict(integrator=integrator, seed=3, lanes=lanes, **BINS)
+    whole = core.render(small_scene, samples="0:128", **same)
     for name, samples in (("a", "0:64"), ("b", "64:100"), ("c", "100:128"), ("d", "64:128")):
-        core.render(small_scene, name=name + ".exr", keep=True, integrator=integrator, seed=3, samples=samples, **BINS)
+        core.render(small_scene, name=name + ".exr", keep=True, samples=samples, **same)
     for number, order in enumerate(["ad", "abc", "cba"]):
         out = tmp_path / ("merged%d.exr" % number)
         core.run("merge", "-o", out, *[core.directory / (name + ".exr") for name in order])
