@@ -189,12 +189,12 @@ struct closure *kit_random_bsdf(struct kit_random *r, const struct bsdf_kind *ki
     return c;
 }
 
-void kit_make_smooth(struct closure *c)
+void kit_set_roughness(struct closure *c, float roughness)
 {
     const struct bsdf_signature *s = bsdf_kind_signature(c->bsdf);
     for (int i = 0; i < CLOSURE_VALUES && s->value_names[i]; i++)
         if (strcmp(s->value_names[i], "roughness") == 0)
-            c->value[i]->constant = 0;
+            c->value[i]->constant = roughness;
 }
 
 const char *kit_describe(const struct closure *c, char text[256])

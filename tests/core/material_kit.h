@@ -36,7 +36,7 @@ stokes_matrix *kit_matrix(struct kit_random *);
 /* A closure of this kind with every input at random, by its signature; roughness is at least `roughness`. */
 struct closure *kit_random_bsdf(struct kit_random *, const struct bsdf_kind *, float roughness);
 /* Takes its roughness away: a δ lobe where the kind has one. */
-void kit_make_smooth(struct closure *);
+void kit_set_roughness(struct closure *, float roughness);
 /* Names it, for messages. */
 const char *kit_describe(const struct closure *, char text[256]);
 

@@ -184,7 +184,7 @@ static void neither_energy_nor_photons_are_made(void **state)
         for (int i = 0; i < SETS; i++) {
             struct closure *c = kit_random_bsdf(&r, bsdf_kind_at((size_t)k), 0);
             if (i % 5 == 0)
-                kit_make_smooth(c);
+                kit_set_roughness(c, 0);
             if (i % 3 == 0)
                 make_white(c);
             if (is_principled(c, 3))

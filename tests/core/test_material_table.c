@@ -63,7 +63,8 @@ static size_t kit_below(struct kit_random *r, size_t count)
     return (size_t)(kit_uniform(r) * (float)count);
 }
 
-/* ∫ pdf |cos_g| dω over a bin of elastic directions, by Gauss–Legendre in z and φ: quartered twice, and on while it varies. */
+/* ∫ pdf |cos_g| dω over a bin of elastic directions, by Gauss–Legendre in z and φ about any axis: quartered twice, and on while it
+   varies. */
 static double bin_integral(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
                            const struct frame *f, double z0, double z1, double p0, double p1, int depth)
 {
@@ -76,7 +77,7 @@ static double bin_integral(const struct surface *s, enum side side, struct vec3 
         for (int j = 0; j < 5; j++) {
             double z = z0 + (z1 - z0) * node[i], phi = p0 + (p1 - p0) * node[j], r = sqrt(fmax(0, 1 - z * z));
             struct vec3 w = to_world(f, vec3((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z));
-            double density = surface_pdf_elastic(s, side, arriving, w, lambda) * fabs(z);
+            double density = surface_pdf_elastic(s, side, arriving, w, lambda) * (double)fabsf(dot(w, s->ng));
             sum += weight[i] * weight[j] * density;
             most = fmax(most, density);
             least = fmin(least, density);
@@ -215,7 +216,7 @@ static void draws_follow_densities_that_sum_to_one(void **state)
             char text[256];
             struct closure *closure = kit_random_bsdf(&r, bsdf_kind_at((size_t)k), 0.4f);
             if (i >= SMOOTH_FROM)
-                kit_make_smooth(closure);
+                kit_set_roughness(closure, 0);
             kit_describe(closure, text);
             if (i & 4) /* with another kind: labels and lobes compete */
                 closure =
@@ -238,6 +239,158 @@ static void draws_follow_densities_that_sum_to_one(void **state)
             }
             material_destroy(m);
         }
+    assert_int_equal(failures, 0);
+}
+
+/* --- Peaks narrower than those bins ------------------------------------------------------------------------ */
+
+enum { RINGS = 8, SECTORS = 8, PEAK_BINS = RINGS * SECTORS + 1 };
+
+/* Rings of equal shares of what a branch draws, about its likeliest direction. */
+struct peak {
+    bool crosses; /* the surface: refraction */
+    struct frame frame;
+    double edge[RINGS + 1]; /* cosines, from 1 down */
+};
+
+static bool is_of_branch(const struct surface *s, bool crosses, struct vec3 arriving,
+                         const struct scatter *drawn)
+{
+    return drawn->label == LABEL_ELASTIC &&
+           (dot(arriving, s->ng) * dot(drawn->direction, s->ng) < 0) == crosses;
+}
+
+static bool draw_elastic(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
+                         struct kit_random *r, struct scatter *drawn)
+{
+    const float u[4] = {kit_uniform(r), kit_uniform(r), kit_uniform(r), kit_uniform(r)};
+    return surface_sample(s, side, arriving, lambda, u, drawn);
+}
+
+/* Cosine with the peak's axis in doubles, for near the axis a float's own is too coarse; −1 behind. */
+static double peak_cosine(const struct frame *f, struct vec3 w)
+{
+    double x = (double)dot(f->s, w), y = (double)dot(f->t, w);
+    return dot(f->n, w) > 0 ? sqrt(fmax(0, 1 - x * x - y * y)) : -1;
+}
+
+static int descending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x < y) - (x > y);
+}
+
+/* False if the branch is too rare to be told apart. */
+static bool find_peak(const struct surface *s, enum side side, struct vec3 arriving, float lambda,
+                      bool crosses, struct kit_random *r, struct peak *peak)
+{
+    enum { LOOKS = 4000 };
+    static struct vec3 seen[LOOKS];
+    static double cosine[LOOKS];
+    int count = 0;
+    struct vec3 best = s->ng;
+    float most = 0;
+    for (int n = 0; n < LOOKS; n++) {
+        struct scatter drawn;
+        if (!draw_elastic(s, side, arriving, lambda, r, &drawn) ||
+            !is_of_branch(s, crosses, arriving, &drawn))
+            continue;
+        seen[count++] = drawn.direction;
+        if (drawn.pdf > most) {
+            most = drawn.pdf;
+            best = drawn.direction;
+        }
+    }
+    if (count < LOOKS / 4)
+        return false;
+    peak->crosses = crosses;
+    peak->frame = frame_about(best);
+    for (int n = 0; n < count; n++)
+        cosine[n] = peak_cosine(&peak->frame, seen[n]);
+    qsort(cosine, (size_t)count, sizeof cosine[0], descending);
+    peak->edge[0] = 1;
+    for (int i = 1; i <= RINGS; i++)
+        peak->edge[i] = fmin(peak->edge[i - 1], fmax(0, cosine[count * i / (RINGS + 1)]));
+    return true;
+}
+
+static int peak_bin(const struct peak *peak, struct vec3 w)
+{
+    double z = peak_cosine(&peak->frame, w);
+    int ring = 0;
+    while (ring < RINGS && z < peak->edge[ring + 1])
+        ring++;
+    float phi = atan2f(dot(peak->frame.t, w), dot(peak->frame.s, w)) / (2 * PI_F) + 0.5f;
+    return ring == RINGS ? PEAK_BINS - 1 : ring * SECTORS + (int)fminf(SECTORS - 1, phi * SECTORS);
+}
+
+/* All that is not in the rings is one bin. */
+static struct chi2 draws_against_peak(const struct surface *s, enum side side, struct vec3 arriving,
+                                      float lambda, const struct peak *peak, struct kit_random *r, int draws)
+{
+    double observed[PEAK_BINS] = {0}, expected[PEAK_BINS] = {0}, total = 0;
+    for (int i = 0; i < PEAK_BINS - 1; i++) {
+        int ring = i / SECTORS, sector = i % SECTORS;
+        expected[i] = bin_integral(s, side, arriving, lambda, &peak->frame, peak->edge[ring + 1],
+                                   peak->edge[ring], 2 * M_PI * ((double)sector / SECTORS - 0.5),
+                                   2 * M_PI * ((double)(sector + 1) / SECTORS - 0.5), 5);
+        total += expected[i];
+    }
+    assert_true(total < 1 + 2e-3);
+    expected[PEAK_BINS - 1] = fmax(0, 1 - total);
+    for (int n = 0; n < draws; n++) {
+        struct scatter drawn;
+        bool elastic = draw_elastic(s, side, arriving, lambda, r, &drawn) && drawn.label == LABEL_ELASTIC;
+        observed[elastic ? peak_bin(peak, drawn.direction) : PEAK_BINS - 1]++;
+    }
+    for (int i = 0; i < PEAK_BINS; i++)
+        expected[i] = (expected[i] + HORIZON_SLACK) * draws;
+    return chi2_test(observed, expected, PEAK_BINS, 0);
+}
+
+static bool has_roughness(const struct bsdf_kind *kind)
+{
+    const struct bsdf_signature *s = bsdf_kind_signature(kind);
+    for (int i = 0; i < CLOSURE_VALUES && s->value_names[i]; i++)
+        if (strcmp(s->value_names[i], "roughness") == 0)
+            return true;
+    return false;
+}
+
+static void sharp_draws_follow_their_densities(void **state)
+{
+    (void)state;
+    enum { CASES = 16, DRAWS = 20000 };
+    int failures = 0, looked = 0;
+    double threshold = 1 - pow(1 - C_FALSE_ALARM, 1.0 / (2 * 2 * CASES * 16));
+    struct kit_random r = seeded(4);
+    for (int k = 0; bsdf_kind_at((size_t)k); k++)
+        for (int i = 0; i < CASES && has_roughness(bsdf_kind_at((size_t)k)); i++) {
+            char text[256];
+            struct closure *closure = kit_random_bsdf(&r, bsdf_kind_at((size_t)k), 0);
+            kit_set_roughness(closure, 0.05f * powf(8, kit_uniform(&r)));
+            kit_describe(closure, text);
+            struct material *m = kit_compile(closure);
+            struct vec3 ng = kit_direction(&r);
+            struct surface s = kit_surface(m, ng, i & 1 ? tilted(&r, ng) : ng);
+            struct vec3 arriving = kit_direction_about(&r, s.ns, i & 2);
+            float lambda = kit_between(&r, 320, 800);
+            for (int j = 0; j < 4; j++) {
+                enum side side = j & 1 ? SIDE_CAMERA : SIDE_LIGHT;
+                struct peak peak;
+                if (!find_peak(&s, side, arriving, lambda, j & 2, &r, &peak))
+                    continue;
+                struct chi2 result = draws_against_peak(&s, side, arriving, lambda, &peak, &r, DRAWS);
+                looked++;
+                if (result.freedom > 0 && result.p < threshold) {
+                    printf("%s, side %d, %s, case %d: p = %g (χ² %g of %zu)\n", text, side,
+                           j & 2 ? "refracted" : "reflected", i, result.p, result.statistic, result.freedom);
+                    failures++;
+                }
+            }
+            material_destroy(m);
+        }
+    assert_true(looked > 4 * CASES);
     assert_int_equal(failures, 0);
 }
 
@@ -403,6 +556,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(draws_follow_densities_that_sum_to_one),
+        cmocka_unit_test(sharp_draws_follow_their_densities),
         cmocka_unit_test(a_draw_has_the_value_and_densities_of_the_functions),
         cmocka_unit_test(what_has_a_value_can_be_drawn_from_both_sides),
         cmocka_unit_test(a_specular_draw_can_be_made_from_the_other_side),
