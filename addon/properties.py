@@ -139,6 +139,7 @@ PRESETS = {
             max_diffuse=64,
             max_glossy=64,
             max_transmission=64,
+            max_volume=64,
             max_transparent=64,
         ),
     ),
@@ -159,6 +160,7 @@ _SAME_IN_STREAM = (
     "max_diffuse",
     "max_glossy",
     "max_transmission",
+    "max_volume",
     "max_transparent",
     "lambda_min",
     "lambda_max",
@@ -305,6 +307,7 @@ class StokesSettings(bpy.types.PropertyGroup):
     max_diffuse: _bounces("Diffuse", "Most diffuse or fluorescent bounces on one path")
     max_glossy: _bounces("Glossy", "Most bounces by reflection on one path")
     max_transmission: _bounces("Transmission", "Most passages through glass on one path")
+    max_volume: _bounces("Volume", "Most scatterings inside volumes on one path")
     max_transparent: _bounces(
         "Transparent", "Most passages through transparent surfaces on one path"
     )

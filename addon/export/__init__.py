@@ -73,6 +73,7 @@ def send_world(context):
                 ("diffuse", "diffuse"),
                 ("glossy", "glossy"),
                 ("transmission", "transmission"),
+                ("volume", "scatter"),
             )
         }
     context.send("world", **members)

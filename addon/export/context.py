@@ -1,8 +1,9 @@
 """What every exporter needs at hand: the stream, warnings, and data that is sent once.
 Exporters take an ExportContext and return plain dicts in the words of csrc/stream/STREAM.md.
 
-The three entry points of `export.nodes`, which this context serves:
+The entry points of `export.nodes`, which this context serves:
     surface(material, context)      -> a closure dict (or None: absorbs all)
+    volume(owner, context)          -> what fills a material or world (or None)
     world(world, context)           -> the members of a `world` message; `world` may be None (black)
     light_emission(light, context)  -> an L of the light's node tree and colour, without its power
 """

@@ -10,7 +10,15 @@ from ..core.stream import Blob
 from . import geometry, lights
 
 DEFAULT_MATERIAL = ""  # the stream's name of the grey that Cycles shows where there is no material
-RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
+# The stream's rays, and the part of Blender's name for each.
+RAYS = {
+    "camera": "camera",
+    "diffuse": "diffuse",
+    "glossy": "glossy",
+    "transmission": "transmission",
+    "volume": "volume_scatter",
+    "shadow": "shadow",
+}
 
 # Objects that no renderer shows, or that come a second time as the mesh they evaluate to.
 _INVISIBLE = {
@@ -108,6 +116,7 @@ class Groups:
         if getattr(shown, "is_shadow_catcher", False):
             self.context.warn(shown, "is_shadow_catcher", "is rendered as a plain object")
         _warn_of_linking(shown, self.context)
+        _warn_of_smoke(shown, self.context)
         return self.groups[key][1]
 
     def _mesh(self, shown, data):
@@ -143,7 +152,12 @@ class Groups:
         from . import nodes
 
         for name, material in self.materials.items():
-            self.context.send("material", name=name, surface=nodes.surface(material, self.context))
+            self.context.send(
+                "material",
+                name=name,
+                surface=nodes.surface(material, self.context),
+                volume=nodes.volume(material, self.context),
+            )
 
     def send_instances(self):
         for (mesh, materials, visible, holdout), (name, transforms) in self.groups.items():
@@ -161,7 +175,10 @@ class Groups:
 def visibility(shown, parent, context):
     """Ray visibility of an object and of the instancer that shows it, as in Cycles."""
     owners = [owner for owner in (shown, parent) if owner]
-    visible = {ray: all(getattr(owner, "visible_" + ray) for owner in owners) for ray in RAYS}
+    visible = {
+        ray: all(getattr(owner, "visible_" + name) for owner in owners)
+        for ray, name in RAYS.items()
+    }
     if any(
         owner.indirect_only_get(view_layer=context.depsgraph.view_layer_eval) for owner in owners
     ):
@@ -177,6 +194,15 @@ def _warn_of_linking(shown, context):
     linking = getattr(shown, "light_linking", None)  # since 4.0
     if linking and (linking.receiver_collection or linking.blocker_collection):
         context.warn(shown, "light_linking", "is not rendered: its light reaches everything")
+
+
+def _warn_of_smoke(shown, context):
+    for modifier in shown.modifiers:
+        domain = modifier.domain_settings if modifier.type == 'FLUID' else None
+        if domain is not None and domain.domain_type == 'GAS':
+            context.warn(
+                shown, modifier.name, "its smoke is not rendered; a volume fills the domain evenly"
+            )
 
 
 def _warn_of_hair(shown, context):

@@ -26,6 +26,8 @@ _HIDDEN_SHADERS = (
     "ShaderNodeEmission",
     "ShaderNodeBackground",
     "ShaderNodeHoldout",
+    "ShaderNodeVolumeAbsorption",
+    "ShaderNodeVolumeScatter",
     "ShaderNodeMixShader",
     "ShaderNodeAddShader",
     "ShaderNodeOutputMaterial",
@@ -183,6 +185,21 @@ class STOKES_PT_light_node(bpy.types.Panel):
         draw_all_settings(self.layout, context.light)
 
 
+class STOKES_PT_world_node(bpy.types.Panel):
+    bl_label = "Stokes Nodes"
+    bl_space_type = 'PROPERTIES'
+    bl_region_type = 'WINDOW'
+    bl_context = "world"
+    COMPAT_ENGINES = {'STOKES'}
+
+    @classmethod
+    def poll(cls, context):
+        return is_ours(context) and context.world and any(_stokes_nodes(context.world))
+
+    def draw(self, context):
+        draw_all_settings(self.layout, context.world)
+
+
 def draw_all_settings(layout, owner):
     for node in _stokes_nodes(owner):
         draw_settings(layout.box(), node)
@@ -204,6 +221,7 @@ CLASSES = (
     STOKES_PT_node,
     STOKES_PT_material_node,
     STOKES_PT_light_node,
+    STOKES_PT_world_node,
 )
 
 

@@ -92,7 +92,7 @@ class STOKES_PT_light_paths(RenderPanel, bpy.types.Panel):
         column = column_of(self.layout)
         for names in (
             ("max_path", "max_camera", "max_light"),
-            ("max_diffuse", "max_glossy", "max_transmission", "max_transparent"),
+            ("max_diffuse", "max_glossy", "max_transmission", "max_volume", "max_transparent"),
         ):
             group = column.column(align=True)
             for name in names:

@@ -123,6 +123,19 @@ class STOKES_PT_material_surface(MaterialPanel, bpy.types.Panel):
             self.layout.prop(context.material, "diffuse_color")
 
 
+class STOKES_PT_material_volume(MaterialPanel, bpy.types.Panel):
+    bl_label = "Volume"
+    bl_options = {'DEFAULT_CLOSED'}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and has_nodes(context.material)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        draw_tree(self.layout, context.material, "Volume")
+
+
 class STOKES_PT_light(ShadingPanel, bpy.types.Panel):
     bl_label = "Light"
     bl_context = "data"
@@ -181,18 +194,34 @@ class STOKES_PT_light_nodes(ShadingPanel, bpy.types.Panel):
         draw_tree(self.layout, context.light)
 
 
-class STOKES_PT_world(ShadingPanel, bpy.types.Panel):
-    bl_label = "Surface"
+class WorldPanel(ShadingPanel):
     bl_context = "world"
 
     @classmethod
     def poll(cls, context):
         return is_ours(context) and context.world
 
+
+class STOKES_PT_world(WorldPanel, bpy.types.Panel):
+    bl_label = "Surface"
+
     def draw(self, context):
         self.layout.use_property_split = True
         if not draw_tree(self.layout, context.world):
             self.layout.prop(context.world, "color")
+
+
+class STOKES_PT_world_volume(WorldPanel, bpy.types.Panel):
+    bl_label = "Volume"
+    bl_options = {'DEFAULT_CLOSED'}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and has_nodes(context.world)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        draw_tree(self.layout, context.world, "Volume")
 
 
 class STOKES_PT_camera_dof(ShadingPanel, bpy.types.Panel):
@@ -254,8 +283,9 @@ class STOKES_PT_object_visibility(ShadingPanel, bpy.types.Panel):
         show.prop(shown, "hide_viewport", text="Viewports", invert_checkbox=True, toggle=False)
         show.prop(shown, "hide_render", text="Renders", invert_checkbox=True, toggle=False)
         rays = column.column(heading="Rays")
-        for name in ("camera", "diffuse", "glossy", "transmission", "shadow"):
-            rays.prop(shown, "visible_" + name, text=name.capitalize(), toggle=False)
+        for name in ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow"):
+            text = name.replace("_", " ").title()
+            rays.prop(shown, "visible_" + name, text=text, toggle=False)
         column.column(heading="Mask").prop(shown, "is_holdout", text="Holdout")
 
 
@@ -264,9 +294,11 @@ CLASSES = (
     STOKES_PT_material_slots,
     STOKES_PT_material_preview,
     STOKES_PT_material_surface,
+    STOKES_PT_material_volume,
     STOKES_PT_light,
     STOKES_PT_light_nodes,
     STOKES_PT_world,
+    STOKES_PT_world_volume,
     STOKES_PT_camera_dof,
     STOKES_PT_object_visibility,
 )

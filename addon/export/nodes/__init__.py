@@ -10,5 +10,6 @@ from . import (  # noqa: F401  (they fill the registry)
     principled,
     stokes,
     textures,
+    volumes,
 )
-from .outputs import light_emission, surface, world  # noqa: F401
+from .outputs import light_emission, surface, volume, world  # noqa: F401

@@ -63,6 +63,8 @@ class Graph:
         self.splits = SPLITS
         self.in_closure = False  # somebody waits for a Split
         self.may_split = False
+        self.means = _MEANS
+        self.cannot_vary = "cannot vary over the surface"
 
     def warn(self, node, text):
         self.context.warn(self.owner, node.label or node.name, text)
@@ -200,7 +202,8 @@ class Graph:
                 return finite(evaluate(node, output, self))
             except ArithmeticError:
                 return Constant(0.0)  # Cycles' answer where there is none
-        instead = Constant(_MEANS[node.bl_idname]) if node.bl_idname in _MEANS else None
+        mean = self.means.get(node.bl_idname)
+        instead = None if mean is None else Constant(mean)
         if instead is None:
             instead = own_value(socket) if socket is not None else Constant(0.5)
         self.warn(node, "is not supported yet; %s is used" % describe(instead))
@@ -228,7 +231,7 @@ class Graph:
         value = self.linear_value(node, socket)
         spectrum = as_spectrum(value)
         if spectrum is None:
-            return as_spectrum(self._instead(node, socket, "cannot vary like that"))
+            return as_spectrum(self.instead(node, socket, "cannot vary like that"))
         if isinstance(value, Textured) and value.scale > 1.0:
             self.warn(
                 node,
@@ -243,14 +246,14 @@ class Graph:
         value = self.plain_value(socket)
         if isinstance(value, (Constant, Spectral)):
             return self._within_one(node, socket, as_spectrum(value))
-        return as_spectrum(self._instead(node, socket, "cannot vary over the surface"))
+        return as_spectrum(self.instead(node, socket, self.cannot_vary))
 
     def shape(self, node, *identifiers):
         """S of which only the shape counts, or None if there is nothing in it."""
         socket = self.input(node, *identifiers)
         value = self.plain_value(socket)
         if not isinstance(value, (Constant, Spectral)):
-            value = self._instead(node, socket, "cannot vary over the surface")
+            value = self.instead(node, socket, self.cannot_vary)
         if isinstance(value, Constant) and max(as_rgb(value.value)) <= 0.0:
             self.warn(node, "%s is black: nothing glows" % socket.name)
             return None
@@ -265,7 +268,7 @@ class Graph:
         self.warn(node, "%s reaches %.3g; it is scaled down to 1" % (socket.name, top))
         return {"scale": 1.0 / top, "of": spectrum}
 
-    def _instead(self, node, socket, why):
+    def instead(self, node, socket, why):
         instead = own_value(socket)
         self.warn(node, "%s %s; %s is used" % (socket.name, why, describe(instead)))
         return instead
@@ -275,7 +278,7 @@ class Graph:
         socket = self.input(node, *identifiers)
         factor = as_factor(self.plain_value(socket))
         if factor is None:
-            factor = as_number(self._instead(node, socket, "is a number, not a spectrum").value)
+            factor = as_number(self.instead(node, socket, "is a number, not a spectrum").value)
         return factor
 
     def number(self, node, *identifiers, low=None, high=None):
@@ -284,7 +287,7 @@ class Graph:
         socket = self.input(node, *identifiers)
         value = self.plain_value(socket)
         if not isinstance(value, Constant):
-            value = self._instead(node, socket, "cannot vary over the surface")
+            value = self.instead(node, socket, self.cannot_vary)
         number = as_number(value.value)
         kept = number if low is None else max(low, number)
         kept = kept if high is None else min(high, kept)
@@ -297,7 +300,7 @@ class Graph:
         socket = self.input(node, *identifiers)
         value = self.plain_value(socket)
         if not isinstance(value, Constant):
-            value = self._instead(node, socket, "cannot vary over the surface")
+            value = self.instead(node, socket, self.cannot_vary)
         return as_rgb(value.value)
 
     def light(self, color, strength, node):

@@ -7,6 +7,7 @@ from .closures import light_of, plain
 from .graph import Graph, decimal, describe
 from .registry import key_of
 from .values import Constant, Environment, as_rgb, scaled
+from .volumes import NOTHING_INSIDE, volume_of
 
 _BLACK = {"rgb": [0.0, 0.0, 0.0], "scale": 1.0}
 _DARK = {"kind": "constant", "emission": _BLACK}
@@ -20,16 +21,12 @@ def surface(material, context):
     if output is None:
         return None
     graph = Graph(material, context)
-    for name, text in (
-        ("Volume", "volumes are not supported yet and left out"),
-        ("Displacement", "displacement is not supported yet and left out"),
-    ):
-        socket = graph.socket(output, name)
-        if socket is not None and graph.is_linked(socket):
-            graph.warn(output, text)
+    displacement = graph.socket(output, "Displacement")
+    if displacement is not None and graph.is_linked(displacement):
+        graph.warn(output, "displacement is not supported yet and left out")
     shown = graph.input(output, "Surface")
-    volume = graph.socket(output, "Volume")
-    if not graph.is_linked(shown) and volume is not None and graph.is_linked(volume):
+    inside = graph.socket(output, "Volume")
+    if not graph.is_linked(shown) and inside is not None and graph.is_linked(inside):
         return {"bsdf": "transparent", "color": 1.0}  # the skin of a volume is not seen
     closure = graph.closure(shown)
     if lobes.count(closure) > lobes.LOBES:
@@ -38,6 +35,20 @@ def surface(material, context):
     if lobes.count(closure) > lobes.LOBES:
         graph.warn(output, "the surface has more than %d lobes; the weakest are cut" % lobes.LOBES)
     return lobes.fit(closure)
+
+
+def volume(owner, context):
+    """W of a material or world, or None."""
+    if not has_nodes(owner):
+        return None
+    output = owner.node_tree.get_output_node('CYCLES')
+    graph = Graph(owner, context)
+    socket = graph.socket(output, "Volume") if output else None
+    if socket is None:
+        return None
+    graph.cannot_vary = "cannot vary inside a volume"
+    graph.means = dict(graph.means, **NOTHING_INSIDE)
+    return volume_of(socket, graph)
 
 
 def light_emission(light, context):
@@ -77,9 +88,13 @@ def _tinted(emission, tint, graph, output):
 
 
 def world(world, context):
-    """The members of a `world` message; `world` may be None, which is black."""
+    """The members of a `world` message; `world` may be None, which is black and empty."""
     if world is None:
         return dict(_DARK)
+    return dict(_sky(world, context), volume=volume(world, context))
+
+
+def _sky(world, context):
     if not has_nodes(world):
         return {
             "kind": "constant",
@@ -89,9 +104,6 @@ def world(world, context):
     if output is None:
         return dict(_DARK)
     graph = Graph(world, context)
-    volume = graph.socket(output, "Volume")
-    if volume is not None and graph.is_linked(volume):
-        graph.warn(output, "volumes are not supported yet and left out")
     terms = Terms(graph)
     terms.collect(graph.input(output, "Surface"), 1.0)
     return _world_of(terms, graph, output)

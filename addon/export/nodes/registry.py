@@ -1,14 +1,19 @@
-"""Tables of translators: closures by @translates, colours and numbers by @evaluates, each by node
-identifier. A Stokes node stands in them as "stokes." and its kind."""
+"""Tables of translators: closures by @translates, volumes by @fills, colours and numbers by
+@evaluates, each by node identifier. A Stokes node stands in them as "stokes." and its kind."""
 
 from ... import nodes
 
 CLOSURES = {}  # key -> function(node, graph) -> closure dict or None
+VOLUMES = {}  # key -> function(node, graph) -> volume dict or None
 VALUES = {}  # key -> function(node, output, graph) -> a value (values.py)
 
 
 def translates(*keys):
     return _enter(CLOSURES, keys)
+
+
+def fills(*keys):
+    return _enter(VOLUMES, keys)
 
 
 def evaluates(*keys):

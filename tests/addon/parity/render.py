@@ -54,6 +54,7 @@ def _cycles(scene, case, seed, brighter):
         "caustics_reflective": True, "caustics_refractive": True, "use_fast_gi": False, "use_guiding": False,
         "pixel_filter_type": 'BLACKMAN_HARRIS', "filter_width": scene.render.filter_size,
         "max_bounces": BOUNCES, "diffuse_bounces": BOUNCES, "glossy_bounces": BOUNCES, "transmission_bounces": BOUNCES,
+        "volume_bounces": BOUNCES,
         "transparent_max_bounces": BOUNCES, "min_light_bounces": BOUNCES, "min_transparent_bounces": BOUNCES,
     }
     for name, value in wanted.items():
@@ -69,7 +70,8 @@ def _stokes(scene, case, seed, _brighter):
     stokes = scene.stokes
     stokes.samples, stokes.seed, stokes.time_limit = case.stokes_samples, seed, 0.0
     stokes.max_path = stokes.max_camera = stokes.max_light = BOUNCES + 2
-    stokes.max_diffuse = stokes.max_glossy = stokes.max_transmission = stokes.max_transparent = BOUNCES
+    for kind in ("diffuse", "glossy", "transmission", "volume", "transparent"):
+        setattr(stokes, "max_" + kind, BOUNCES)
     if case.name != "default_cube":
         # Light emits all of its power over Λ whatever Λ is; where the eye is blind it only adds noise.
         stokes.lambda_min, stokes.lambda_max = 380.0, 730.0
