@@ -98,40 +98,30 @@ def compare(core, path, case, precision):
     stats.assert_unbiased(name(case), found, wanted[kept], sees[kept], names=names[kept])
 
 
-# Each integrator meets each material under each light. `pt` finds a patch by a shifted wavelength, or one that it drew anew
-# after long paths, in minutes only: it meets the dye where every wall emits.
+# Each integrator meets each material under each light.
 PLACES = {"d65": "furnace", "uv": "sphere_with_patch"}
 
 
-def place(material, light, integrator):
-    if integrator == "pt":
-        return "sphere_with_patch" if (material, light) == ("elastic", "d65") else "furnace"
-    return PLACES[light]
-
-
-def lanes_of(material, light, integrator):
-    """With one wavelength a path and with many. At a dye bundles are no help to `pt` and `pt_nee`, whose rare bright samples
-    would take minutes to average."""
+def lanes_of(material, light):
+    """With one wavelength a path and with many. Through a dye, most of a bundle misses a lamp of a few nanometres."""
     if material == "elastic":
         return 4
-    return 1 if integrator in ("pt", "pt_nee") or light == "uv" else 8
+    return 1 if light == "uv" else 8
 
 
 CASES = [
-    (place(material, light, integrator), material, light, integrator, lanes_of(material, light, integrator))
+    (PLACES[light], material, light, integrator, lanes_of(material, light))
     for integrator in INTEGRATORS
     for light in PLACES
     for material in scenes.MATERIALS
 ] + [("sphere_with_lamp", "elastic", "d65", "pt_nee", 4)]
 
-# In bundles wherever they help, whatever the light.
 LONG_CASES = [
-    (shape, material, light, integrator, lanes_of(material, "d65", integrator))
+    (shape, material, light, integrator, lanes_of(material, light))
     for shape in ("furnace", "sphere_with_patch")
     for light in scenes.LIGHTS
     for material in scenes.MATERIALS
     for integrator in INTEGRATORS
-    if (shape, material, integrator) != ("sphere_with_patch", "fluorescent", "pt")
 ] + [("sphere_with_lamp", "elastic", "d65", integrator, 4) for integrator in INTEGRATORS]
 
 
