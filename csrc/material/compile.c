@@ -218,6 +218,16 @@ static bool walk(struct compiler *c, const struct closure *closure)
 
 /* --- The material ---------------------------------------------------------------------------------------- */
 
+static bool is_clear(const struct material *m)
+{
+    const struct lobe_plan *plan = m->lobe;
+    if (m->lobe_count != 1 || m->emission_count || !plan->is_transparent || plan->factors.count ||
+        plan->factors.weight != 1)
+        return false;
+    const struct spectrum *color = closure_spectrum(plan->closure, 0);
+    return color ? spectrum_min(color) == 1 && spectrum_max(color) == 1 : !plan->closure->color[0];
+}
+
 struct material *material_compile(const char *name, struct closure *closure,
                                   const struct material_context *context,
                                   void (*warn)(void *user, const stokes_error *), void *user,
@@ -241,6 +251,8 @@ struct material *material_compile(const char *name, struct closure *closure,
     }
     for (int i = 0; i < m->lobe_count; i++)
         m->may_be_transparent = m->may_be_transparent || m->lobe[i].is_transparent;
+    m->is_clear = is_clear(m);
+    m->volume = -1;
     return m;
 }
 

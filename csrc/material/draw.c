@@ -42,7 +42,7 @@ static bool draw_direction(const struct draw *d, const struct lobe *lobe, struct
                !lobe->kind->sample(lobe, d->side, a, d->lambda, u, &b))
         return false;
     *leaving = to_world(&frame, b);
-    return b.z * dot(*leaving, s->ng) > 0;
+    return s->in_volume || b.z * dot(*leaving, s->ng) > 0;
 }
 
 static bool draw_elastic(const struct draw *d, const struct lobe *lobe, struct scatter *out)
@@ -223,6 +223,10 @@ void surface_steps(const struct surface *s, enum side side, enum label label, in
     if (s->is_matte) {
         surface_matte_steps(s, side, label, which, arriving, leaving, lanes, lambda_arriving, lambda_leaving,
                             memo, out);
+        return;
+    }
+    if (s->in_volume && s->lobe_count == 1) {
+        surface_phase_steps(s, arriving, leaving, lanes, lambda_arriving, out);
         return;
     }
     for (int i = 0; i < lanes; i++) {

@@ -239,7 +239,8 @@ struct material {
     struct spectrum *white;          /* unit integral over Λ; for textured emission */
     struct texture **texture;        /* the array is owned, the textures are the closure's */
     size_t texture_count;
-    bool may_be_transparent;
+    bool may_be_transparent, is_clear;
+    int volume;
 };
 
 /* Steps of material_compile: textures into m->texture; emission_shape and white. */

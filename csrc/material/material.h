@@ -85,6 +85,7 @@ struct surface {
     bool has_elastic; /* any lobe of finite density that is not fluorescent */
     bool connects;    /* has a lobe of finite density at all */
     bool is_matte;    /* all lobes are (matte.c) */
+    bool in_volume;   /* a scattering vertex inside of volumes (volume.h): no normals, all cosines are 1 */
     uint8_t fluorescent[SURFACE_LOBES], specular[SURFACE_LOBES]; /* indices of those lobes */
     const struct material *material;
 };
@@ -125,7 +126,13 @@ struct scatter {
     float draw, draw_other; /* FLUORESCENT: what the wavelengths have of the two pdfs */
     int depth_class; /* enum scatter_class: which of Cycles' bounce limits counts it */
 };
-enum scatter_class { SCATTER_DIFFUSE, SCATTER_GLOSSY, SCATTER_TRANSMISSION, SCATTER_TRANSPARENT };
+enum scatter_class {
+    SCATTER_DIFFUSE,
+    SCATTER_GLOSSY,
+    SCATTER_TRANSMISSION,
+    SCATTER_TRANSPARENT,
+    SCATTER_VOLUME
+};
 
 /* Draws label, wavelength and direction from four uniform numbers. False: absorbed, or a wavelength outside Λ. */
 bool surface_sample(const struct surface *, enum side, struct vec3 arriving, float lambda, const float u[4],
@@ -184,6 +191,11 @@ int surface_fluorophore(const struct surface *, int f);
    pass by this transmittance at a wavelength, the summed weight × colour of those lobes, clamped to [0,1]; 0 for materials without. */
 float material_transmittance(const struct material *, const struct hit *, struct vec3 viewing, float lambda);
 bool material_may_be_transparent(const struct material *);
+/* True if it is nothing but a boundary that light of every wavelength passes. */
+bool material_is_clear(const struct material *);
+/* Index among the scene's volumes of what lies behind the surface, given by material_set_volume; −1: nothing. */
+int material_volume(const struct material *);
+void material_set_volume(struct material *, int volume);
 
 /* How much of the surface is a hole in the picture (`holdout`), in [0,1]: what alpha loses where a camera ray that only transparent
    surfaces have touched ends here. Such lobes scatter nothing. */

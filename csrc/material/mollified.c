@@ -86,7 +86,7 @@ static double level_of_value(const struct evaluation *e, struct range range, enu
 float surface_mollified(const struct surface *s, enum kernel kernel, struct vec3 to_light,
                         struct vec3 to_camera, float lambda_in, float lambda_out, float d)
 {
-    float weight, cosine = fabsf(dot(to_light, s->ng));
+    float weight, cosine = surface_cosine(s, to_light);
     double sum = 0;
     if (!s->has_elastic || cosine == 0)
         return 0;

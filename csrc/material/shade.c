@@ -156,6 +156,7 @@ void material_shade(const struct material *m, const struct hit *hit, struct vec3
     s->lobe_count = s->fluorescent_count = s->specular_count = 0;
     s->has_elastic = s->connects = false;
     s->is_matte = true;
+    s->in_volume = false;
     s->material = m;
     for (int i = 0; i < m->lobe_count; i++) {
         const struct lobe_plan *plan = &m->lobe[i];
@@ -210,4 +211,19 @@ float material_holdout(const struct material *m, const struct hit *hit, struct v
 bool material_may_be_transparent(const struct material *m)
 {
     return m->may_be_transparent;
+}
+
+bool material_is_clear(const struct material *m)
+{
+    return m->is_clear;
+}
+
+int material_volume(const struct material *m)
+{
+    return m->volume;
+}
+
+void material_set_volume(struct material *m, int volume)
+{
+    m->volume = volume;
 }

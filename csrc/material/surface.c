@@ -14,7 +14,7 @@
 bool surface_in_frame(const struct surface *s, const struct frame *frame, struct vec3 w, struct vec3 *local)
 {
     *local = to_local(frame, w);
-    return local->z * dot(w, s->ng) > 0;
+    return s->in_volume || local->z * dot(w, s->ng) > 0;
 }
 
 static bool is_diffuse(const struct lobe *lobe)
@@ -138,7 +138,7 @@ bool surface_lobe_at(const struct surface *s, const struct lobe *lobe, struct ve
 
 float surface_elastic(const struct surface *s, struct vec3 to_light, struct vec3 to_camera, float lambda)
 {
-    float sum = 0, weight, cosine = fabsf(dot(to_light, s->ng));
+    float sum = 0, weight, cosine = surface_cosine(s, to_light);
     struct vec3 l, c;
     if (!s->has_elastic || cosine == 0)
         return 0;
@@ -191,7 +191,7 @@ static float drawn_pdf(const struct surface *s, const struct lobe *lobe, enum si
     if (!surface_drawing_frame(s, lobe, side, arriving, &frame, &a) ||
         !surface_in_frame(s, &frame, leaving, &b))
         return 0;
-    return lobe->kind->pdf(lobe, side, a, b, lambda) / fabsf(dot(leaving, s->ng));
+    return lobe->kind->pdf(lobe, side, a, b, lambda) / surface_cosine(s, leaving);
 }
 
 /* Per projected solid angle, of one lobe of finite density, without its chance. */
@@ -296,6 +296,8 @@ bool surface_elastic_disperses(const struct surface *s, struct vec3 a, struct ve
 
 enum scatter_class surface_elastic_class(const struct surface *s, struct vec3 a, struct vec3 b)
 {
+    if (s->in_volume)
+        return SCATTER_VOLUME;
     if (surface_crosses(s, a, b))
         return SCATTER_TRANSMISSION;
     for (int i = 0; i < s->lobe_count; i++)

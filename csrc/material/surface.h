@@ -17,6 +17,12 @@ static inline bool surface_crosses(const struct surface *s, struct vec3 a, struc
     return dot(a, s->ng) * dot(b, s->ng) < 0;
 }
 
+/* Cosine with the geometric normal, absolute. */
+static inline float surface_cosine(const struct surface *s, struct vec3 w)
+{
+    return s->in_volume ? 1 : fabsf(dot(w, s->ng));
+}
+
 /* A lobe whose frame bends toward the camera: rough reflection under a normal map. */
 bool lobe_is_bent(const struct lobe *);
 
@@ -43,5 +49,9 @@ void surface_matte_steps(const struct surface *, enum side, enum label, int f, s
                          struct vec3 leaving, int lanes, const float lambda_arriving[],
                          const float lambda_leaving[], struct surface_memo memo[MEMOS],
                          struct surface_steps *out);
+
+/* phase.c: surface_steps for a scattering vertex with one phase function. */
+void surface_phase_steps(const struct surface *, struct vec3 arriving, struct vec3 leaving, int lanes,
+                         const float lambda[], struct surface_steps *out);
 
 #endif
