@@ -195,7 +195,8 @@ static void connect_light(const struct integrator *it, struct worker *w, int t)
 {
     struct vertex y;
     struct subpath light = {1, &y, NULL};
-    struct sight sight = {.stamp = 0};
+    struct haze haze;
+    struct sight sight = {.haze = &haze};
     struct meeting m;
     m.splat = NULL;
     float u[3];
@@ -209,7 +210,8 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
 {
     struct vertex x;
     struct subpath camera = {1, &x, NULL};
-    struct sight sight = {.stamp = 0};
+    struct haze haze;
+    struct sight sight = {.haze = &haze};
     int pixel[2];
     struct meeting m; /* a kilobyte that is not worth clearing */
     m.splat = pixel;

@@ -112,7 +112,8 @@ static void join_taps(const struct integrator *it, struct worker *w, const struc
         if (!can_end(&light->path->vertex[y], light->group->as))
             continue;
         for (int x = camera->first; x < camera->end; x++) {
-            struct sight seen_once = {.stamp = 0};
+            struct haze haze;
+            struct sight seen_once = {.haze = &haze};
             if (!it->settings.technique[y + 1][x + 1] ||
                 !can_end(&camera->path->vertex[x], camera->group->as))
                 continue;
@@ -228,7 +229,8 @@ static void connect_light(const struct integrator *it, struct worker *w, const s
 {
     struct vertex y;
     struct subpath light = {1, &y, NULL};
-    struct sight sight = {.stamp = 0};
+    struct haze haze;
+    struct sight sight = {.haze = &haze};
     const struct vertex *v = &w->camera.vertex[x];
     uint32_t dimension = DIM_NEE + (uint32_t)(x + 1) * DIMS_PER_NEE;
     float u[3];
@@ -276,7 +278,8 @@ static void connect_lens(const struct integrator *it, struct worker *w, const st
 {
     struct vertex x;
     struct subpath lens = {1, &x, NULL};
-    struct sight sight = {.stamp = 0};
+    struct haze haze;
+    struct sight sight = {.haze = &haze};
     const struct vertex *v = &w->light.vertex[y];
     uint32_t dimension = DIM_SPLAT + (uint32_t)(y + 1) * DIMS_PER_SPLAT;
     float u[4], pdf_direction;

@@ -1,17 +1,26 @@
 /* Adds emission that a camera sub-path runs into, weighted against the techniques that connect to it. */
 #include "integrator/gather.h"
 
+#include "integrator/flight.h"
 #include "integrator/mis.h"
 #include "integrator/relight.h"
 #include "integrator/tally.h"
 
 enum { LAMPS_MAX = 16 };
 
+/* What the last edge crosses of volumes, and the densities of its length: nominal ones for the camera's step over it and for the light's, and with which it
+   was really drawn. */
+struct veil {
+    struct crossing crossing;
+    double ahead, back, flown;
+};
+
 /* What a camera sub-path ran into. */
 struct sighting {
     const struct light_point *light;
-    struct vec3 direction; /* of the ray */
-    bool passed;           /* transparent surfaces on the last edge */
+    struct vec3 direction;   /* of the ray */
+    bool passed;             /* transparent surfaces on the last edge */
+    const struct veil *veil; /* of volumes; NULL in a scene without */
 };
 
 /* Where nothing dispersed, the last run's wavelengths are drawn after the hit, from what the light emits and the run's start takes
@@ -65,6 +74,8 @@ static void whole_path(const struct worker *w, const struct sighting *seen, cons
     path->light = seen->light;
     path->pdf_point = pdf_point;
     path->step[1].geometry = geometry;
+    path->step[1].along = seen->veil ? seen->veil->back : 1;
+    path->step[1].against = seen->veil ? seen->veil->ahead : 1;
     path->step[0] = (struct full_step){.fwd = fwd, .label = LABEL_FLUORESCENT, .dye = -1};
 }
 
@@ -96,11 +107,15 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
         fwd[i] = draw[i] * direction;
     }
     if (it->cuts != CUTS_CHOSEN)
-        tally_weigh_sighting(it, w, at, light, pdf_point, edges, geometry, fwd, draw, weight);
+        tally_weigh_sighting(it, w, at, light, pdf_point, edges, geometry, seen->veil ? seen->veil->ahead : 1,
+                             seen->veil ? seen->veil->back : 1, fwd, draw, weight);
     for (int i = 0; i < at->lanes; i++) {
         double value = at->throughput[i] * scene_light_emission(it->scene, light, back, at->lambda[i]) /
                        (strand ? density[i] * at->lanes : at->lanes);
         struct full_path path;
+        if (seen->veil)
+            value *=
+                crossing_transmittance(it->scene, &seen->veil->crossing, at->lambda[i]) / seen->veil->flown;
         if (!(value > 0))
             continue;
         if (it->observe || it->cuts == CUTS_CHOSEN)
@@ -115,18 +130,41 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
     }
 }
 
+/* The light behind volumes: `media` (may be NULL) are those of the last `length` metres before it. */
+static void gather_through(const struct integrator *it, struct worker *w, const struct sighting *seen,
+                           const struct media *media, float length)
+{
+    const struct vertex *last = &w->camera.vertex[w->camera.count - 1], *next = last + 1;
+    struct veil veil;
+    if (!it->has_volumes) {
+        gather_point(it, w, seen);
+        return;
+    }
+    veil.crossing = next->inside.crossing;
+    if (media)
+        crossing_add(&veil.crossing, media, length);
+    struct length_density density = flight_density(it, last, &veil.crossing, NULL, NULL);
+    veil.flown = density.drawn;
+    veil.ahead = density.nominal;
+    veil.back = flight_nominal(it, &veil.crossing, last);
+    struct sighting through = {seen->light, seen->direction, seen->passed, &veil};
+    if (veil.flown > 0 && veil.ahead > 0)
+        gather_point(it, w, &through);
+}
+
 void gather_lamps(const struct integrator *it, struct worker *w, const struct ray *ray, bool passed,
-                  bool to_infinity)
+                  bool to_infinity, const struct media *media)
 {
     struct light_point seen[LAMPS_MAX];
     int count = scene_lamps_along(it->scene, ray, seen, LAMPS_MAX);
     for (int i = 0; i < count; i++)
-        gather_point(it, w, &(struct sighting){&seen[i], ray->direction, passed});
+        gather_through(it, w, &(struct sighting){&seen[i], ray->direction, passed, NULL}, media,
+                       length(sub(seen[i].position, ray->origin)) - ray->near);
     if (!to_infinity)
         return;
     count = scene_distant_along(it->scene, ray, seen, LAMPS_MAX);
     for (int i = 0; i < count; i++)
-        gather_point(it, w, &(struct sighting){&seen[i], ray->direction, passed});
+        gather_through(it, w, &(struct sighting){&seen[i], ray->direction, passed, NULL}, media, INFINITY);
 }
 
 void gather_surface(const struct integrator *it, struct worker *w, const struct hit *hit,
@@ -134,5 +172,5 @@ void gather_surface(const struct integrator *it, struct worker *w, const struct 
 {
     struct light_point light;
     scene_light_point_at(it->scene, hit, &light);
-    gather_point(it, w, &(struct sighting){&light, direction, passed});
+    gather_through(it, w, &(struct sighting){&light, direction, passed, NULL}, NULL, 0);
 }

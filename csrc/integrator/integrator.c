@@ -27,6 +27,7 @@ struct integrator_settings integrator_settings_default(void)
         .max_diffuse = PATH_EDGES_MAX,
         .max_glossy = PATH_EDGES_MAX,
         .max_transmission = PATH_EDGES_MAX,
+        .max_volume = PATH_EDGES_MAX,
         .max_transparent = PATH_EDGES_MAX,
         .roulette_start = 4,
         .lambda_min = 300,
@@ -66,8 +67,8 @@ static void choose_techniques(struct integrator *it, const struct integrator_kin
         }
     it->splats = splats;
     int edges = settings->max_path;
-    it->limits_bounces =
-        settings->max_diffuse < edges || settings->max_glossy < edges || settings->max_transmission < edges;
+    it->limits_bounces = settings->max_diffuse < edges || settings->max_glossy < edges ||
+                         settings->max_transmission < edges || settings->max_volume < edges;
 }
 
 /* How the cuts of a path of each length share it. */
@@ -123,8 +124,10 @@ static bool create_subpath(struct subpath *path)
 {
     path->vertex = calloc(PATH_VERTICES, sizeof *path->vertex);
     path->memo = calloc(PATH_VERTICES * MEMOS, sizeof *path->memo);
-    for (int i = 0; path->vertex && path->memo && i < PATH_VERTICES; i++)
+    for (int i = 0; path->vertex && path->memo && i < PATH_VERTICES; i++) {
         path->vertex[i].memo = &path->memo[i * MEMOS];
+        path->vertex[i].inside.ahead = path->vertex[i].inside.back = 1;
+    }
     return path->vertex && path->memo;
 }
 
@@ -133,10 +136,14 @@ static bool create_worker(const struct integrator *it, struct worker *w)
     size_t bins = (size_t)it->film->bins;
     w->gathered.bin = bins ? calloc(bins, sizeof *w->gathered.bin) : NULL;
     w->sight = calloc((size_t)PATH_VERTICES * PATH_VERTICES, sizeof *w->sight);
+    w->haze = it->has_volumes ? calloc((size_t)PATH_VERTICES * PATH_VERTICES, sizeof *w->haze) : NULL;
     for (int side = 0; side < SIDES; side++)
         w->strand[side] = calloc(1, sizeof *w->strand[side]);
+    for (int i = 0; w->sight && w->haze && i < PATH_VERTICES * PATH_VERTICES; i++)
+        w->sight[i].haze = &w->haze[i];
     return create_subpath(&w->camera) && create_subpath(&w->light) && create_subpath(&w->copy) && w->sight &&
-           w->strand[SIDE_LIGHT] && w->strand[SIDE_CAMERA] && (!bins || w->gathered.bin);
+           (w->haze || !it->has_volumes) && w->strand[SIDE_LIGHT] && w->strand[SIDE_CAMERA] &&
+           (!bins || w->gathered.bin);
 }
 
 static bool create_workers(struct integrator *it, stokes_error *err)
@@ -157,6 +164,7 @@ static void destroy_worker(struct worker *w)
     }
     free(w->gathered.bin);
     free(w->sight);
+    free(w->haze);
     free(w->strand[SIDE_LIGHT]);
     free(w->strand[SIDE_CAMERA]);
 }
@@ -185,6 +193,7 @@ struct integrator *integrator_create(const struct integrator_settings *settings,
     it->film = film;
     it->kappa = cmf_normalization(settings->lambda_min, settings->lambda_max);
     it->worker_count = threads > 1 ? threads : 1;
+    it->has_volumes = scene_has_volumes(scene);
     scene_camera_size(scene, it->full, it->border);
     it->lanes = settings->lanes;
     choose_techniques(it, kind);
@@ -240,7 +249,7 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     w->reach_nm = 1 / (double)kernel_density(settings->kernel, 550, 550, w->half_width_nm);
     w->camera.count = w->light.count = w->copy.count = 0;
     w->sightings = 0;
-    w->hole = 0;
+    w->hole = w->veil = 0;
     w->stamp++;
     film_sample_clear(it->film, &w->gathered);
     w->gathered.alpha = settings->film_transparent ? 0 : 1;
@@ -253,6 +262,8 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
         path_trace_light(it, w);
     if (w->camera.count > 1 || w->hole > 0)
         w->gathered.alpha = 1 - w->hole;
+    else if (settings->film_transparent)
+        w->gathered.alpha = w->veil;
     if (it->connects)
         (it->exact ? exact_connect_all : connect_all)(it, w);
     if (inside)

@@ -19,7 +19,7 @@ struct integrator_settings {
     enum kernel kernel;
     enum side mollify_side;
     int max_path, max_camera, max_light; /* edges */
-    int max_diffuse, max_glossy, max_transmission, max_transparent;
+    int max_diffuse, max_glossy, max_transmission, max_volume, max_transparent;
     int roulette_start;
     float lambda_min, lambda_max;
     float filter_width; /* pixels */

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "integrator/flight.h"
 #include "integrator/relight.h"
 #include "integrator/tally.h"
 
@@ -58,6 +59,28 @@ bool joint_open(struct joint *joint, const struct vertex *y, const struct vertex
     return sight->state != SIGHT_NOTHING;
 }
 
+/* Where a shadow ray from the joint's camera end begins: not nearer than a camera's own rays. */
+static struct vec3 camera_start(const struct vertex *x, struct vec3 direction)
+{
+    float cosine = dot(x->lens.axis, direction);
+    return x->lens.near > 0 && cosine > 0 ? along(x->position, direction, x->lens.near / cosine)
+                                          : x->position;
+}
+
+/* The same in a scene with volumes: what the edge crosses of them, too. */
+static double trace_through(const struct integrator *it, const struct joint *joint, float lambda,
+                            struct crossing *crossing)
+{
+    const struct vertex *y = joint->end[SIDE_LIGHT].vertex, *x = joint->end[SIDE_CAMERA].vertex;
+    struct vec3 x_to_y = negate(joint->y_to_x);
+    struct vec3 from = x->kind == VERTEX_CAMERA ? camera_start(x, x_to_y) : vertex_offset(x, x_to_y);
+    struct media media = flight_media(x, x_to_y);
+    if (y->unbounded)
+        return scene_visibility_distant_through(it->scene, from, x_to_y, lambda, &media, crossing);
+    return scene_visibility_through(it->scene, from, vertex_offset(y, joint->y_to_x), lambda, &media,
+                                    crossing);
+}
+
 static double trace(const struct integrator *it, const struct joint *joint, float lambda)
 {
     const struct vertex *y = joint->end[SIDE_LIGHT].vertex, *x = joint->end[SIDE_CAMERA].vertex;
@@ -67,14 +90,30 @@ static double trace(const struct integrator *it, const struct joint *joint, floa
     return scene_visibility(it->scene, vertex_offset(x, x_to_y), vertex_offset(y, joint->y_to_x), lambda);
 }
 
+static void set_across(const struct integrator *it, const struct joint *joint, struct haze *haze)
+{
+    for (int side = 0; side < SIDES; side++) {
+        const struct vertex *far = joint->end[side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT].vertex;
+        haze->across[side] = flight_nominal(it, &haze->crossing, far);
+    }
+}
+
 /* Most edges are open or blocked at every wavelength; only coloured transparency needs a ray for each. */
-static void attenuate(const struct integrator *it, const struct joint *joint, double value[LANES_MAX])
+static void attenuate(const struct integrator *it, struct joint *joint, double value[LANES_MAX])
 {
     struct sight *sight = joint->sight;
     if (sight->state == SIGHT_OPEN) {
-        sight->visibility = trace(it, joint, joint->lambda[0]);
+        sight->visibility = it->has_volumes
+                                ? trace_through(it, joint, joint->lambda[0], &sight->haze->crossing)
+                                : trace(it, joint, joint->lambda[0]);
         sight->state = sight->visibility > 0 ? SIGHT_TRACED : SIGHT_NOTHING;
+        if (it->has_volumes)
+            set_across(it, joint, sight->haze);
     }
+    for (int side = 0; side < SIDES; side++)
+        joint->end[side].across = it->has_volumes ? sight->haze->across[side] : 1;
+    for (int i = 0; it->has_volumes && sight->state == SIGHT_TRACED && i < joint->lanes; i++)
+        value[i] *= crossing_transmittance(it->scene, &sight->haze->crossing, joint->lambda[i]);
     if (sight->state == SIGHT_TRACED && sight->visibility == 1)
         return;
     for (int i = 0; i < joint->lanes; i++)
@@ -258,7 +297,10 @@ bool joint_camera_vertex(const struct integrator *it, const struct vertex *y, st
     float at[2], width = it->settings.filter_width;
     vertex_begin(x, VERTEX_CAMERA);
     x->unbounded = scene_camera_is_orthographic(it->scene);
-    const struct hit *seen = y->kind == VERTEX_SURFACE ? &y->hit : y->light.on_mesh ? &y->light.hit : NULL;
+    const struct hit *seen = y->in_volume                ? NULL
+                             : y->kind == VERTEX_SURFACE ? &y->hit
+                             : y->light.on_mesh          ? &y->light.hit
+                                                         : NULL;
     if (seen && scene_hit_is_holdout(it->scene, seen))
         return false;
     if (y->kind == VERTEX_LIGHT && (y->unbounded || !scene_light_seen_by_camera(it->scene, &y->light)))
@@ -271,6 +313,10 @@ bool joint_camera_vertex(const struct integrator *it, const struct vertex *y, st
         pixel[i] = film_filter_pixel(width, at[i], u[2 + i], &weight[i]);
     arrival_begin(&x->arrival, it->lanes, weight[0] * weight[1], wavelengths_sink_camera(&it->wavelengths));
     x->position = x->lens.position;
+    if (it->has_volumes) {
+        struct vec3 direction = x->unbounded ? x->lens.axis : normalize(sub(y->position, x->position));
+        x->inside.media = scene_camera_media(it->scene, camera_start(x, direction), direction);
+    }
     return pixel[0] >= it->border[0] && pixel[0] < it->border[2] && pixel[1] >= it->border[1] &&
            pixel[1] < it->border[3];
 }

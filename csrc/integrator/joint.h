@@ -14,6 +14,12 @@ enum { CHOICES_MAX = SURFACE_LOBES + 1, PAIRS_MAX = CHOICES_MAX * CHOICES_MAX };
 
 int joint_choices(const struct vertex *, struct choice out[CHOICES_MAX]);
 
+/* What an edge crosses of volumes, and the nominal densities of its length for either side's step over it (algorithm.md §13). */
+struct haze {
+    struct crossing crossing;
+    double across[SIDES];
+};
+
 /* An edge once looked at: all connections of its two vertices share its shadow ray. */
 struct sight {
     uint32_t stamp; /* of the sample that it was made in */
@@ -22,6 +28,7 @@ struct sight {
     float geometry;
     double
         visibility; /* SIGHT_TRACED: at one wavelength; neither 0 nor 1 where it is transparent to some of the light */
+    struct haze *haze; /* where the scene has volumes */
 };
 
 struct joint_end {
@@ -31,6 +38,7 @@ struct joint_end {
     const struct arrival *at;    /* the vertex's, or the strand's */
     struct choice as;
     bool disperses;
+    double across; /* density of the edge's length for this side's step over it; 1 without volumes */
     float
         draw[LANES_MAX]; /* density with which the start of its part of the run draws the edge's wavelength */
     struct surface_steps

@@ -25,9 +25,12 @@ static void put_vertex(struct full_path *path, enum side side, int i, const stru
 }
 
 /* The edge that ends at own vertex i. */
-static void put_edge(struct full_path *path, enum side side, int i, double geometry)
+static void put_edge(struct full_path *path, enum side side, int i, const struct vertex *v)
 {
-    path->step[side == SIDE_LIGHT ? i : path->edges - i + 1].geometry = geometry;
+    struct full_step *edge = &path->step[side == SIDE_LIGHT ? i : path->edges - i + 1];
+    edge->geometry = v->geometry;
+    edge->along = side == SIDE_LIGHT ? v->inside.ahead : v->inside.back;
+    edge->against = side == SIDE_LIGHT ? v->inside.back : v->inside.ahead;
 }
 
 /* The first `count` own vertices, all passed, with the lane that has this place among those that arrive at vertex `count`. */
@@ -38,7 +41,7 @@ static void put_side(struct full_path *path, enum side side, const struct subpat
         const struct vertex *v = &own->vertex[i];
         put_vertex(path, side, i, v);
         if (i > 0)
-            put_edge(path, side, i, v->geometry);
+            put_edge(path, side, i, v);
         if (strand && i >= strand->start) {
             put_step(path, side, i, strand->own[i][lane], strand->other[i][lane],
                      strand->at[i + 1].lambda[lane]);
@@ -62,7 +65,7 @@ static void put_end(struct full_path *path, const struct joint_end *end, enum si
                     ? surface_fluorophore(&end->vertex->surface, end->as.lobe)
                     : -1;
     if (i > 0)
-        put_edge(path, side, i, end->vertex->geometry);
+        put_edge(path, side, i, end->vertex);
 }
 
 void full_path_of_joint(const struct integrator *it, const struct worker *w, const struct joint *joint,
@@ -80,6 +83,8 @@ void full_path_of_joint(const struct integrator *it, const struct worker *w, con
     put_end(path, y, SIDE_LIGHT, joint->s - 1, lane);
     put_end(path, x, SIDE_CAMERA, joint->t - 1, lane);
     path->step[joint->s].geometry = joint->geometry;
+    path->step[joint->s].along = y->across;
+    path->step[joint->s].against = x->across;
     path->step[joint->s].lambda = joint->lambda[lane];
 }
 
@@ -116,8 +121,8 @@ double mis_cut_density(const struct integrator *it, const struct full_path *path
     chart_runs(path, &chart);
     double density = link_factor(it, path, &chart, cut);
     for (int i = 0; i <= cut - 2; i++)
-        density *= path->step[i].fwd;
+        density *= path->step[i].fwd * path->step[i + 1].along;
     for (int i = cut + 1; i <= path->edges; i++)
-        density *= path->step[i].rev;
+        density *= path->step[i].rev * path->step[i].against;
     return cut > 0 ? density * path->pdf_point : density;
 }

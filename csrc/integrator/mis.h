@@ -9,8 +9,8 @@
 
 struct joint;
 
-/* All that the weight is a function of: one lane. Indices run from the light (0) to the camera (edges); step[i].geometry and step[i].lambda
-   belong to edge i, between vertices i − 1 and i. */
+/* All that the weight is a function of: one lane. Indices run from the light (0) to the camera (edges); step[i].geometry, along, against and
+   lambda belong to edge i, between vertices i − 1 and i. */
 struct full_path {
     int edges;     /* K */
     int cut;       /* s: the technique that made it */
@@ -22,6 +22,8 @@ struct full_path {
         double fwd; /* density of the light sub-path's step from here to i + 1 */
         double rev; /* of the camera sub-path's step from here to i − 1 */
         double geometry;
+        double along,
+            against; /* densities of the edge's length in volumes, for the light's and the camera's step over it */
         float lambda;
         enum label label;
         bool disperses; /* passed by a refraction whose direction depends on the wavelength */

@@ -1,10 +1,9 @@
 /* Sub-path tracing: grows a path from the camera or a light, one vertex a call, and fills throughput, both densities and
-   the geometry term of each step, for a bundle of wavelengths. Transparent surfaces are no vertices: a ray passes them with the probability of their
-   transmittance, and no density that enters a weight holds that factor, on either side. */
+   the geometry term of each step, for a bundle of wavelengths. */
 #include "integrator/path.h"
 
 #include "integrator/bundle.h"
-#include "integrator/gather.h"
+#include "integrator/flight.h"
 #include "integrator/tally.h"
 
 /* Roulette never kills with more than this probability; it divides the contribution and stays out of the weights. */
@@ -14,6 +13,8 @@ static const float cosine_min = 1e-6f;
 
 struct vec3 vertex_offset(const struct vertex *v, struct vec3 direction)
 {
+    if (v->in_volume)
+        return v->position;
     if (v->kind == VERTEX_SURFACE)
         return scene_offset(&v->hit, direction);
     if (v->kind == VERTEX_LIGHT && v->light.on_mesh)
@@ -21,92 +22,21 @@ struct vec3 vertex_offset(const struct vertex *v, struct vec3 direction)
     return v->position;
 }
 
-/* What one step of a sub-path needs while it looks for the next surface. */
-struct flight {
-    struct ray ray;
-    uint32_t dimension; /* of the next pass */
-    bool passed;        /* a transparent surface */
-};
+/* What a light sub-path meets may be seen by any kind of ray; which one, its scattering there decides. */
+static const uint32_t any_kind = RAY_CAMERA | RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION | RAY_VOLUME;
 
-/* Passes a transparent surface or stops there, with a chance that all lanes share; each owes the difference. */
-static bool passes(const struct worker *w, const struct flight *f, int pass, const struct material *material,
-                   struct vertex *next)
-{
-    struct arrival *at = &next->arrival;
-    double tau[LANES_MAX];
-    for (int i = 0; i < at->lanes; i++)
-        tau[i] = material_transmittance(material, &next->hit, negate(f->ray.direction), at->lambda[i]);
-    float chance = (float)(lanes_sum(tau, at->lanes) / at->lanes);
-    bool passed = random_at(w->random, f->dimension + (uint32_t)pass * DIMS_PER_STEP + STEP_PASS) < chance;
-    float owed = 1 / (passed ? chance : 1 - chance);
-    next->passage *= owed;
-    for (int i = 0; i < at->lanes; i++)
-        at->throughput[i] *= passed ? tau[i] * owed : owed;
-    return passed;
-}
-
-/* How much of what a camera's own ray meets is a hole in the picture: all of an object, or the share of a material. */
-static float hole_at(const struct integrator *it, const struct material *material, const struct vertex *next,
-                     const struct flight *f)
-{
-    if (next[-1].kind != VERTEX_CAMERA)
-        return 0;
-    return scene_hit_is_holdout(it->scene, &next->hit)
-               ? 1
-               : material_holdout(material, &next->hit, negate(f->ray.direction));
-}
-
-/* Follows the ray to the next surface that scatters it; every emitter on the way is offered to `gather` (camera side).
-   Returns false when the path ends: it left the scene, or met only glass-clear surfaces for too long. */
-static bool fly(const struct integrator *it, struct worker *w, enum side side, struct flight *f,
-                struct vertex *next)
-{
-    const struct material *material;
-    f->passed = false;
-    next->passage = 1;
-    for (int pass = 0; pass < PASSES_MAX; pass++) {
-        bool met = scene_intersect(it->scene, &f->ray, &next->hit, &material);
-        if (side == SIDE_CAMERA) {
-            struct ray seen = f->ray;
-            if (met)
-                seen.far = length(sub(next->hit.position, f->ray.origin));
-            gather_lamps(it, w, &seen, f->passed, !met);
-        }
-        if (!met)
-            return false;
-        float hole = hole_at(it, material, next, f), before = next->passage;
-        if (side == SIDE_CAMERA && hole < 1 && next->hit.light >= 0)
-            gather_surface(it, w, &next->hit, f->ray.direction, f->passed);
-        if (!material_may_be_transparent(material) || !passes(w, f, pass, material, next)) {
-            /* Where it might have passed, what stops counts for all. */
-            w->hole = hole > 0 ? fminf(1, hole * next->passage / before) : w->hole;
-            if (hole >= 1)
-                return false;
-            break;
-        }
-        f->passed = true;
-        if (pass + 1 == PASSES_MAX)
-            return false;
-        /* The camera's clipping distances are from the camera. */
-        f->ray.near = 0;
-        f->ray.far -= length(sub(next->hit.position, f->ray.origin));
-        f->ray.origin = scene_offset(&next->hit, f->ray.direction);
-    }
-    material_shade(material, &next->hit, negate(f->ray.direction), &next->surface);
-    return true;
-}
-
-/* Fills what a new surface vertex knows of the edge to its predecessor. */
+/* Fills what a new vertex knows of the edge to its predecessor. */
 static bool arrive(const struct integrator *it, struct vertex *prev, struct vertex *next,
                    struct vec3 direction, bool passed)
 {
     next->kind = VERTEX_SURFACE;
-    next->kinds = scene_hit_kinds(it->scene, &next->hit);
+    next->kinds = next->in_volume ? any_kind : scene_hit_kinds(it->scene, &next->hit);
     next->label = LABEL_ELASTIC;
     next->disperses = false;
     next->memo[MEMO_ARRIVING].lanes = next->memo[MEMO_OTHERS].lanes = 0;
     next->unbounded = false;
-    next->position = next->hit.position;
+    if (!next->in_volume)
+        next->position = next->hit.position;
     next->to_prev = negate(direction);
     next->passed = passed;
     float cosines = vertex_cosine(prev, direction) * vertex_cosine(next, direction);
@@ -117,22 +47,20 @@ static bool arrive(const struct integrator *it, struct vertex *prev, struct vert
     double edge = 1 / (double)next->geometry;
     for (int i = 0; i < it->lanes; i++)
         next->arrival.seam[i] *= edge;
-    return true;
+    return !it->has_volumes || flight_settle(it, prev, next);
 }
 
 bool path_keeps_bounces(const struct integrator_settings *s, const uint8_t bounces[SCATTER_CLASSES])
 {
     return bounces[SCATTER_DIFFUSE] <= s->max_diffuse && bounces[SCATTER_GLOSSY] <= s->max_glossy &&
-           bounces[SCATTER_TRANSMISSION] <= s->max_transmission;
+           bounces[SCATTER_TRANSMISSION] <= s->max_transmission && bounces[SCATTER_VOLUME] <= s->max_volume;
 }
-
-/* What a light sub-path meets may be seen by any kind of ray; which one, its scattering there decides. */
-static const uint32_t any_kind = RAY_CAMERA | RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION;
 
 uint32_t path_ray_kind(enum scatter_class depth_class)
 {
     return depth_class == SCATTER_DIFFUSE  ? RAY_DIFFUSE
            : depth_class == SCATTER_GLOSSY ? RAY_GLOSSY
+           : depth_class == SCATTER_VOLUME ? RAY_VOLUME
                                            : RAY_TRANSMISSION;
 }
 
@@ -158,7 +86,8 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     v->to_next = drawn.direction;
     v->disperses = drawn.disperses;
     if (path->count - 1 >= it->settings.roulette_start) {
-        float survival = clampf((float)(lanes_sum(gain, v->lanes_out) / v->lanes_out), roulette_floor, 1);
+        float gained = (float)(lanes_sum(gain, v->lanes_out) / v->lanes_out);
+        float survival = clampf(it->has_volumes ? gained * v->inside.toll : gained, roulette_floor, 1);
         if (random_at(w->random, dimension + STEP_ROULETTE) >= survival)
             return false;
         v->drawn *= survival;
@@ -169,8 +98,10 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
         next->bounces[i] = (uint8_t)(v->bounces[i] + (i == drawn.depth_class));
     bundle_depart(it, w, side, v, path->count - 1, &steps, gain, next);
     f->ray =
-        (struct ray){scene_offset(&v->hit, drawn.direction), drawn.direction, 0, INFINITY,
+        (struct ray){vertex_offset(v, drawn.direction), drawn.direction, 0, INFINITY,
                      side == SIDE_LIGHT ? any_kind : path_ray_kind((enum scatter_class)drawn.depth_class)};
+    if (it->has_volumes)
+        f->media = flight_media(v, drawn.direction);
     double throughput = lanes_sum(next->arrival.throughput, next->arrival.lanes);
     /* In exact.c what is dark at this wavelength may be bright at another. */
     return (throughput > 0 || it->exact) && isfinite(throughput) &&
@@ -207,6 +138,9 @@ void path_trace_camera(const struct integrator *it, struct worker *w, float x, f
     f.ray = scene_camera_ray(it->scene, x, y, lens, &v->lens, &pdf_direction);
     v->position = v->lens.position;
     v->to_next = f.ray.direction;
+    if (it->has_volumes)
+        f.media = v->inside.media =
+            scene_camera_media(it->scene, along(f.ray.origin, f.ray.direction, f.ray.near), f.ray.direction);
     v->drawn = pdf_direction;
     v->lanes_out = it->lanes;
     lanes_stratify(random_at(w->random, DIM_LAMBDA), it->lanes, u);
@@ -284,6 +218,9 @@ static bool start_light(const struct integrator *it, struct worker *w, struct su
                                       &pdf_direction))
         return false;
     v->to_next = f->ray.direction;
+    if (it->has_volumes)
+        f->media = v->unbounded ? scene_open_media(it->scene)
+                                : scene_media_at(it->scene, f->ray.origin, f->ray.direction);
     v->drawn = pdf_direction;
     for (int i = 0; i < v->lanes_out; i++) {
         float emitted = scene_light_emission(it->scene, &v->light, f->ray.direction, v->lambda_out[i]);

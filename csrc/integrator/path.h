@@ -12,9 +12,10 @@
 #include "base/random.h"
 #include "integrator/integrator.h"
 #include "integrator/wavelengths.h"
+#include "scene/media.h"
 
 #define PATH_VERTICES TECHNIQUES_MAX
-#define SCATTER_CLASSES 4
+#define SCATTER_CLASSES 5
 
 enum vertex_kind { VERTEX_LIGHT, VERTEX_CAMERA, VERTEX_SURFACE };
 
@@ -46,6 +47,18 @@ struct arrival {
     bool disperses_early;   /* and some vertex before the previous one */
 };
 
+/* What volumes have to do with a vertex, where the scene has any (algorithm.md §13). */
+struct vertex_media {
+    struct media media;       /* on the side that the edge to prev arrives at */
+    int boundary;             /* the volume behind the surface; −1: none */
+    struct crossing crossing; /* of the edge to prev */
+    double ahead,
+        back;     /* nominal densities of that edge's length for a step from prev, and for one back to it */
+    double flown; /* density with which it was really drawn */
+    float odds[VOLUME_RATES]; /* of each rate to have drawn this run so far */
+    float toll;               /* what of the lanes' mean is left at its end, over `flown` */
+};
+
 struct vertex {
     enum vertex_kind kind;
     enum label label; /* of a vertex that was passed; the last one of a sub-path has none yet */
@@ -69,6 +82,7 @@ struct vertex {
     /* A distant light, an orthographic camera: a direction instead of a point, so that edges to it have no
        length, and its steps have densities per area perpendicular to them. */
     bool unbounded;
+    bool in_volume; /* VERTEX_SURFACE: it scatters inside of volumes, and has no normal */
     /* Transparent surfaces on the edge to prev: whether there were any, and 1/(chance to stop at this vertex). */
     bool passed;
     float passage;
@@ -81,6 +95,7 @@ struct vertex {
     struct hit hit;            /* VERTEX_SURFACE */
     struct surface surface;    /* VERTEX_SURFACE: evaluates again at any wavelength */
     struct surface_memo *memo; /* VERTEX_SURFACE: MEMOS of them, the worker's */
+    struct vertex_media inside;
 };
 
 /* Sets what says nothing yet; hit and surface, which are two kilobytes, are left as they are. */
@@ -92,7 +107,7 @@ static inline void vertex_begin(struct vertex *v, enum vertex_kind kind)
     v->passage = 1;
     v->geometry = 0;
     v->drawn = 1;
-    v->unbounded = v->passed = v->disperses = false;
+    v->unbounded = v->in_volume = v->passed = v->disperses = false;
 }
 
 struct subpath {
@@ -124,6 +139,8 @@ enum dimension {
 enum { SIDES = 2 };
 /* Within a step: 0–3 the surface's, then */
 enum { STEP_ROULETTE = 4, STEP_PASS = 5, STEP_COPY = 6, STEP_LEADER = 7 };
+/* Within the step's last pass: the distance in volumes. */
+enum { STEP_RATE = 0, STEP_DEPTH = 1 };
 enum { DIMS_PER_STEP = 8, DIMS_PER_NEE = 16, DIMS_PER_SPLAT = 16 };
 /* Surfaces that one step may pass without scattering. */
 enum { PASSES_MAX = 64 };
@@ -140,12 +157,14 @@ struct copying {
 
 struct strand; /* relight.h */
 struct sight;  /* joint.h */
+struct haze;   /* joint.h */
 
 /* One worker's memory and the state of the path that it traces. */
 struct worker {
     struct subpath camera, light, copy;
     uint32_t sightings;      /* emitters met by this camera sub-path */
     double all, unconnected; /* gathered light, X+Y+Z, since the integrator was made; for the report */
+    float veil;              /* of the void behind the scene, what volumes hide from the camera's ray */
     float hole;              /* how much of what the camera's ray met first is a hole in the picture */
     struct copying *copying; /* while `copy` is traced */
     struct random_path random;
@@ -154,6 +173,7 @@ struct worker {
     double reach_nm;     /* 1/k(λ|λ): what an E–E connection counts for on a path of one wavelength */
     struct strand *strand[SIDES]; /* runs that are being connected, evaluated again */
     struct sight *sight;          /* PATH_VERTICES²: edges between the two sub-paths, once looked at */
+    struct haze *haze;            /* of those edges; NULL without volumes */
     uint32_t stamp;               /* of the sights that belong to this sample */
 };
 
@@ -178,7 +198,8 @@ struct integrator {
     bool meets; /* some technique has s ≥ 2 and t ≥ 2 */
     bool exact; /* connections by exact.c instead of the mollified table */
     enum cuts cuts;
-    int lanes;                     /* 1, 4 or 8 */
+    int lanes; /* 1, 4 or 8 */
+    bool has_volumes;
     bool limits_bounces;           /* some limit on a class of bounces is tighter than max_path */
     int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
     int worker_count;
@@ -204,7 +225,7 @@ static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)
     case VERTEX_LIGHT:
         return v->unbounded || !v->light.has_normal ? 1 : fabsf(dot(v->light.normal, direction));
     case VERTEX_CAMERA: return v->unbounded ? 1 : fabsf(dot(v->lens.axis, direction));
-    case VERTEX_SURFACE: return fabsf(dot(v->hit.ng, direction));
+    case VERTEX_SURFACE: return v->in_volume ? 1 : fabsf(dot(v->hit.ng, direction));
     }
     return 0;
 }

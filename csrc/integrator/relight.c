@@ -53,7 +53,12 @@ static void pass_edge(const struct integrator *it, const struct vertex *from, co
         if (to->passed)
             at->throughput[i] *=
                 edge_transmittance(it, from, from->unbounded ? NULL : &end, from->to_next, at->lambda[i]);
+        if (it->has_volumes)
+            at->throughput[i] *=
+                crossing_transmittance(it->scene, &to->inside.crossing, at->lambda[i]) / to->inside.flown;
     }
+    if (it->has_volumes)
+        tally_cross(at, to->inside.ahead, to->inside.back, at->lanes);
 }
 
 int relight(const struct integrator *it, const struct worker *w, enum side side, const struct subpath *path,

@@ -211,6 +211,19 @@ void tally_pass(const struct integrator *it, const struct worker *w, enum side s
     }
 }
 
+void tally_cross(struct arrival *at, double ahead, double back, int lanes)
+{
+    double ratio = back / ahead;
+    for (int i = 0; i < lanes; i++) {
+        at->seam[i] /= ahead;
+        at->tally.closed[i] *= ratio;
+        at->tally.open[i] *= ratio;
+        at->tally.near[i] *= ratio;
+        at->tally.bent[i] *= ratio;
+        at->tally.both[i] *= ratio;
+    }
+}
+
 /* --- Closing a sum ----------------------------------------------------------------------------------------------- */
 
 /* Nominal chance of copying in a path with so many F vertices, whichever of its runs it is (copy_run_chance). */
@@ -273,8 +286,9 @@ static void weigh_exact(const struct integrator *it, const struct joint *j, cons
     for (int i = 0; i < j->lanes; i++) {
         double draw_y = end_y->draw[i], draw_x = end_x->draw[i], copied = over(copy, draw_y);
         double link = exact_link(y, x, product[i], draw_y, draw_x, copy) / (double)j->geometry;
-        double others = (double)end_x->steps.pdf[i] * close(y, x, i, product[i], draw_x, copied, copy) +
-                        (double)end_y->steps.pdf[i] * close(x, y, i, product[i], draw_y, copied, copy);
+        double others =
+            end_x->across * (double)end_x->steps.pdf[i] * close(y, x, i, product[i], draw_x, copied, copy) +
+            end_y->across * (double)end_y->steps.pdf[i] * close(x, y, i, product[i], draw_y, copied, copy);
         weight[i] = over(link, link + others);
     }
 }
@@ -293,8 +307,8 @@ static void weigh_mollified(const struct integrator *it, const struct worker *w,
             link[i] = y->is_start || x->is_start ? 1 : w->reach_nm;
     for (int i = 0; i < j->lanes; i++) {
         double own = link[i] / (double)j->geometry;
-        double others =
-            (double)end_x->steps.pdf[i] * y->q.closed[i] + (double)end_y->steps.pdf[i] * x->q.closed[i];
+        double others = end_x->across * (double)end_x->steps.pdf[i] * y->q.closed[i] +
+                        end_y->across * (double)end_y->steps.pdf[i] * x->q.closed[i];
         weight[i] = over(own, own + others);
     }
 }
@@ -316,7 +330,8 @@ void tally_weigh(const struct integrator *it, const struct worker *w, const stru
 
 void tally_weigh_sighting(const struct integrator *it, const struct worker *w, const struct arrival *at,
                           const struct light_point *light, double pdf_point, int edges, double geometry,
-                          const float back[], const float draw[], double weight[LANES_MAX])
+                          double ahead, double behind, const float back[], const float draw[],
+                          double weight[LANES_MAX])
 {
     struct passing p = {.side = SIDE_CAMERA,
                         .label = LABEL_FLUORESCENT,
@@ -329,6 +344,8 @@ void tally_weigh_sighting(const struct integrator *it, const struct worker *w, c
     struct arrival here = *at;
     for (int i = 0; i < it->lanes; i++)
         here.seam[i] = connects ? at->seam[i] / geometry : 0;
+    if (it->has_volumes)
+        tally_cross(&here, ahead, behind, it->lanes);
     if (it->exact)
         through_dye(it, &p, &here, straight, back, draw, &q);
     else

@@ -19,15 +19,20 @@ void tally_pass(const struct integrator *, const struct worker *, enum side, con
                 const struct arrival *here, const uint8_t from[], const struct surface_steps *,
                 struct arrival *there);
 
+/* The edge that arrives has a length in volumes, with densities for the own step over it and for the other side's back (algorithm.md §13). */
+void tally_cross(struct arrival *, double ahead, double back, int lanes);
+
 /* The weight of each lane of a connection. */
 void tally_weigh(const struct integrator *, const struct worker *, const struct joint *,
                  double weight[LANES_MAX]);
 
 /* The weight of each lane of a path that the camera sub-path made alone: `at` is what arrives at the light point that it met, over an edge with
-   this geometry; `back` and `draw` are the light's densities of the step and of its wavelength. */
+   this geometry and, in volumes, the densities of its length for the own step (`ahead`) and for the light's (`behind`); `back` and `draw` are the light's
+   densities of the step and of its wavelength. */
 void tally_weigh_sighting(const struct integrator *, const struct worker *, const struct arrival *at,
                           const struct light_point *, double pdf_point, int edges, double geometry,
-                          const float back[], const float draw[], double weight[LANES_MAX]);
+                          double ahead, double behind, const float back[], const float draw[],
+                          double weight[LANES_MAX]);
 
 /* Stratified wavelengths from the product of a source and a sink, and their densities. False if they have no wavelength in common. */
 bool draw_product(const struct integrator *, const struct worker *, int source, int sink, uint32_t dimension,

@@ -4,6 +4,7 @@
 #define SCENE_BUILD_H
 
 #include "material/closure.h"
+#include "material/volume.h"
 #include "scene/scene.h"
 
 struct scene *scene_create(void);
@@ -31,6 +32,8 @@ bool scene_add_mesh(struct scene *, const struct mesh_input *, stokes_error *err
 
 /* Takes the closure; it is compiled at scene_commit, when working space and Λ are known. */
 bool scene_add_material(struct scene *, const char *name, struct closure *, stokes_error *err);
+/* The same, with what fills the space that its surfaces enclose: takes the volume, too (NULL: nothing), after volume_finish. */
+bool scene_add_material_with(struct scene *, const char *name, struct closure *, struct volume *, stokes_error *err);
 /* As compiled by scene_commit; NULL if there is none of that name. */
 const struct material *scene_find_material(const struct scene *, const char *name);
 /* Takes the image. */
@@ -38,7 +41,7 @@ bool scene_add_image(struct scene *, struct image *, stokes_error *err);
 const struct image *scene_find_image(const struct scene *, const char *name);
 
 struct visibility {
-    bool camera, diffuse, glossy, transmission, shadow;
+    bool camera, diffuse, glossy, transmission, shadow, volume;
 };
 struct instances_input {
     const char *name, *mesh;
@@ -69,6 +72,7 @@ struct world_input {
     float scale;
     struct transform to_map;
     struct visibility visible;
+    struct volume *volume; /* taken, after volume_finish; NULL: none */
 };
 bool scene_set_world(struct scene *, const struct world_input *, stokes_error *err);
 

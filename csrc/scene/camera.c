@@ -148,6 +148,7 @@ static struct ray perspective_ray(const struct camera *camera, float x, float y,
     float stretch = length(direction);
     direction = scale(direction, 1 / stretch);
     point->position = add(camera->position, in_world(camera, lens[0], lens[1], 0));
+    point->near = in->clip[0];
     *pdf = perspective_pdf(camera, direction);
     return (struct ray){point->position, direction, in->clip[0] * stretch,
                         fminf(in->clip[1] * stretch, FLT_MAX), RAY_CAMERA};
@@ -186,7 +187,7 @@ static struct camera_point slanted_point(const struct camera *camera, const stru
 {
     float near = camera->input.clip[0], k = aside(camera, near);
     struct vec3 offset = in_world(camera, x + k * s->lens[0], y + k * s->lens[1], near);
-    return (struct camera_point){add(camera->position, offset), s->axis};
+    return (struct camera_point){add(camera->position, offset), s->axis, 0};
 }
 
 struct ray scene_camera_ray(const struct scene *scene, float x, float y, const float u[2],
@@ -238,6 +239,7 @@ bool scene_camera_connect(const struct scene *scene, struct vec3 from, float mar
     x = (x - lens[0]) / depth;
     y = (y - lens[1]) / depth;
     point->position = add(camera->position, in_world(camera, lens[0], lens[1], 0));
+    point->near = in->clip[0];
     *pdf = perspective_pdf(camera, normalize(in_world(camera, x, y, 1)));
     if (in->lens_radius > 0) {
         x += lens[0] / in->focus_distance;

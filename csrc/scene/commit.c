@@ -347,6 +347,9 @@ bool scene_commit(struct scene *scene, const struct scene_setup *setup, stokes_e
         return false;
     if ((rebuild_lights || scene->camera_dirty) && !scene_weigh_lights(scene, err))
         return false;
+    if (!scene_list_volumes(scene, err))
+        return false;
+    scene_place_camera(scene);
     free_unused_images(scene);
     scene->geometry_dirty = scene->materials_dirty = scene->images_dirty = false;
     scene->lights_dirty = scene->camera_dirty = false;

@@ -215,34 +215,87 @@ struct shadow_query {
     const struct scene *scene;
     struct vec3 viewing;
     float lambda, transmittance;
+    float stretch; /* metres in a unit of the ray's parameter */
+    struct boundaries *boundaries;
 };
+
+/* The surface that a filter function is asked about, and the volume behind it. */
+struct met {
+    uint32_t index;
+    const struct RTCHit *found;
+    const struct material *material;
+};
+
+static struct met met_surface(const struct scene *scene, const struct RTCFilterFunctionNArguments *args)
+{
+    struct met met = {.found = (const struct RTCHit *)args->hit}; /* N is 1 for rtcOccluded1 */
+    met.index = object_of(met.found->instID[0], met.found->geomID);
+    const struct object *object = &scene->objects[met.index];
+    met.material = object->instances->materials[object_slot(object, met.found->primID)];
+    return met;
+}
+
+static void tell_boundary(const struct shadow_query *query, const struct RTCFilterFunctionNArguments *args,
+                          const struct met *met, const struct hit *hit)
+{
+    int volume = material_volume(met->material);
+    if (volume >= 0)
+        boundaries_meet(query->boundaries, volume, dot(query->viewing, hit->ng) > 0,
+                        (double)query->stretch * ((const struct RTCRay *)args->ray)->tfar);
+}
 
 /* Lets the ray through a surface that transmits some of it, and keeps count. */
 static void filter_shadow(const struct RTCFilterFunctionNArguments *args)
 {
     struct shadow_query *query = (struct shadow_query *)args->context;
-    const struct RTCHit *found = (const struct RTCHit *)args->hit; /* N is 1 for rtcOccluded1 */
     const struct scene *scene = query->scene;
-    uint32_t index = object_of(found->instID[0], found->geomID);
-    const struct object *object = &scene->objects[index];
-    const struct material *material = object->instances->materials[object_slot(object, found->primID)];
-    if (!material_may_be_transparent(material))
+    struct met met = met_surface(scene, args);
+    if (!material_may_be_transparent(met.material))
         return;
     struct hit hit;
-    scene_fill_hit(scene, index, found->primID, found->u, found->v, &hit);
-    query->transmittance *= material_transmittance(material, &hit, query->viewing, query->lambda);
-    if (query->transmittance > 0)
-        args->valid[0] = 0;
+    scene_fill_hit(scene, met.index, met.found->primID, met.found->u, met.found->v, &hit);
+    query->transmittance *= material_transmittance(met.material, &hit, query->viewing, query->lambda);
+    if (!(query->transmittance > 0))
+        return;
+    args->valid[0] = 0;
+    if (query->boundaries)
+        tell_boundary(query, args, &met, &hit);
+}
+
+/* Lets the ray through everything. */
+static void filter_boundaries(const struct RTCFilterFunctionNArguments *args)
+{
+    const struct shadow_query *query = (const struct shadow_query *)args->context;
+    struct met met = met_surface(query->scene, args);
+    struct hit hit;
+    args->valid[0] = 0;
+    if (material_volume(met.material) < 0)
+        return;
+    scene_fill_hit(query->scene, met.index, met.found->primID, met.found->u, met.found->v, &hit);
+    tell_boundary(query, args, &met, &hit);
+}
+
+void accel_boundaries(const struct scene *scene, struct vec3 origin, struct vec3 direction,
+                      struct boundaries *boundaries)
+{
+    struct shadow_query query = {
+        .scene = scene, .viewing = negate(direction), .stretch = 1, .boundaries = boundaries};
+    rtcInitIntersectContext(&query.context);
+    query.context.filter = filter_boundaries;
+    struct RTCRay ray = embree_ray(origin, direction, 0, INFINITY, UINT32_MAX);
+    rtcOccluded1(scene->accel->top, &query.context, &ray);
 }
 
 float accel_transmittance(const struct scene *scene, struct vec3 origin, struct vec3 direction, float far,
-                          float lambda)
+                          float lambda, struct boundaries *boundaries)
 {
-    struct shadow_query query = {.scene = scene, .lambda = lambda, .transmittance = 1};
+    struct shadow_query query = {
+        .scene = scene, .lambda = lambda, .transmittance = 1, .boundaries = boundaries};
     rtcInitIntersectContext(&query.context);
     if (scene->transparent) {
         query.context.filter = filter_shadow;
         query.viewing = negate(normalize(direction));
+        query.stretch = length(direction);
     }
     struct RTCRay ray = embree_ray(origin, direction, 0, far, RAY_SHADOW);
     rtcOccluded1(scene->accel->top, &query.context, &ray);

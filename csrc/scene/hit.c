@@ -164,17 +164,17 @@ bool scene_intersect(const struct scene *scene, const struct ray *ray, struct hi
     return true;
 }
 
+const float scene_segment_end = 1 - 2 * ROUNDINGS;
+
 float scene_visibility(const struct scene *scene, struct vec3 from, struct vec3 to, float lambda)
 {
-    /* The far end may lie on a surface whose test rounds by the segment's length, which its offset knows
-       nothing of. */
-    return accel_transmittance(scene, from, sub(to, from), 1 - 2 * ROUNDINGS, lambda);
+    return accel_transmittance(scene, from, sub(to, from), scene_segment_end, lambda, NULL);
 }
 
 float scene_visibility_distant(const struct scene *scene, struct vec3 from, struct vec3 direction,
                                float lambda)
 {
-    return accel_transmittance(scene, from, direction, INFINITY, lambda);
+    return accel_transmittance(scene, from, direction, INFINITY, lambda, NULL);
 }
 
 bool scene_hit_is_holdout(const struct scene *scene, const struct hit *hit)

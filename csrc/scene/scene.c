@@ -53,6 +53,7 @@ void material_slot_destroy(struct material_slot *slot)
     if (!slot)
         return;
     closure_destroy(slot->closure);
+    volume_destroy(slot->volume);
     material_destroy(slot->compiled);
     free(slot->name);
     free(slot);
@@ -79,6 +80,7 @@ void scene_destroy(struct scene *scene)
     free(scene->uv_names);
     free(scene->retired);
     free(scene->objects);
+    free((void *)scene->volumes.list);
     free(scene->fluorophore_material);
     free(scene->fluorophore_first);
     spectrum_destroy(scene->lamp_spectrum);
@@ -97,15 +99,23 @@ static bool has_normal_map(const struct closure *closure)
 
 bool scene_add_material(struct scene *scene, const char *name, struct closure *closure, stokes_error *err)
 {
+    return scene_add_material_with(scene, name, closure, NULL, err);
+}
+
+bool scene_add_material_with(struct scene *scene, const char *name, struct closure *closure,
+                             struct volume *volume, stokes_error *err)
+{
     struct material_slot *slot = calloc(1, sizeof *slot);
     void *old;
     if (!slot || !(slot->name = copy_text(name)) ||
         !registry_put(&scene->materials, slot->name, slot, &old)) {
         closure_destroy(closure);
+        volume_destroy(volume);
         material_slot_destroy(slot);
         return fail(err, name, "surface", "no memory");
     }
     slot->closure = closure;
+    slot->volume = volume;
     slot->needs_table = material_needs_rgb_table(closure);
     slot->has_normal_map = has_normal_map(closure);
     material_slot_destroy(old);

@@ -8,7 +8,7 @@ struct scene;
 
 /* --- Rays ------------------------------------------------------------------------------------------------ */
 
-enum ray_kind { RAY_CAMERA = 1, RAY_DIFFUSE = 2, RAY_GLOSSY = 4, RAY_TRANSMISSION = 8, RAY_SHADOW = 16 };
+enum ray_kind { RAY_CAMERA = 1, RAY_DIFFUSE = 2, RAY_GLOSSY = 4, RAY_TRANSMISSION = 8, RAY_SHADOW = 16, RAY_VOLUME = 32 };
 
 struct ray {
     struct vec3 origin, direction; /* unit */
@@ -102,6 +102,7 @@ const struct spectrum *scene_lamp_spectrum(const struct scene *);
 struct camera_point {
     struct vec3 position; /* on the lens, or on the near plane of an orthographic camera */
     struct vec3 axis;     /* viewing direction of the camera; of an orthographic one, of this point of its lens */
+    float near;           /* rays begin at this depth along the axis */
 };
 
 /* A ray through film point (x, y), in pixels of the full frame from its lower left corner; u: on the lens. The density of

@@ -4,6 +4,7 @@
 #define SCENE_STATE_H
 
 #include "material/hit_mesh.h"
+#include "material/volume.h"
 #include "scene/build.h"
 #include "scene/registry.h"
 
@@ -83,11 +84,38 @@ double triangle_area(const struct mesh *, const struct transform *, uint32_t tri
 struct material_slot {
     char *name;
     struct closure *closure; /* until it is compiled */
+    struct volume *volume;   /* NULL: none */
     struct material *compiled;
     bool needs_table, has_normal_map, failed;
     stokes_error error; /* why it failed */
 };
 void material_slot_destroy(struct material_slot *);
+
+/* --- Volumes ----------------------------------------------------------------------------------------- */
+
+/* Volumes that a ray enters (+) and leaves (−), summed up: media.c. */
+#define BOUNDARIES_MAX 16
+struct boundaries {
+    int count;
+    struct boundary {
+        int volume, times;
+        double sum; /* of the distances, with their signs */
+    } at[BOUNDARIES_MAX];
+};
+void boundaries_meet(struct boundaries *, int volume, bool enters, double t);
+
+/* Volumes that materials and the world have; the world's is the first. */
+struct volumes {
+    const struct volume **list; /* borrowed */
+    int count;
+    bool world, bounded; /* in use */
+    bool camera_inside;  /* camera rays may start inside of some body's bounding box */
+};
+bool scene_list_volumes(struct scene *, stokes_error *err);
+void scene_place_camera(struct scene *);
+
+/* A segment's far end may lie on a surface whose test rounds by the segment's length, which its offset knows nothing of. */
+extern const float scene_segment_end;
 
 /* --- Lights ------------------------------------------------------------------------------------------ */
 
@@ -216,8 +244,12 @@ struct accel_hit {
     float u, v, t;
 };
 bool accel_intersect(const struct scene *, const struct ray *, struct accel_hit *);
+/* `boundaries` (may be NULL) is told of each volume that the ray enters or leaves, at distances in metres. */
+struct boundaries;
 float accel_transmittance(const struct scene *, struct vec3 origin, struct vec3 direction, float far,
-                          float lambda);
+                          float lambda, struct boundaries *);
+/* All boundaries of volumes along an endless ray, whatever else is in its way. */
+void accel_boundaries(const struct scene *, struct vec3 origin, struct vec3 direction, struct boundaries *);
 /* Bounding box of a lamp that can be hit. */
 void lamp_bounds(const struct lamp *, struct vec3 *low, struct vec3 *high);
 /* A collection of the lamps on a ray, nearest first. */
@@ -252,6 +284,7 @@ struct scene {
     bool laid_out; /* objects have been built before */
     struct accel *accel;
     bool transparent; /* some material in use may be */
+    struct volumes volumes;
     struct vec3 center;
     float radius;
     struct light *lights;
@@ -271,7 +304,7 @@ static inline uint32_t visibility_mask(struct visibility visible)
 {
     return (visible.camera ? RAY_CAMERA : 0) | (visible.diffuse ? RAY_DIFFUSE : 0) |
            (visible.glossy ? RAY_GLOSSY : 0) | (visible.transmission ? RAY_TRANSMISSION : 0) |
-           (visible.shadow ? RAY_SHADOW : 0);
+           (visible.shadow ? RAY_SHADOW : 0) | (visible.volume ? RAY_VOLUME : 0);
 }
 double transform_determinant(const struct transform *);
 /* False if it is singular. */

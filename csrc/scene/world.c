@@ -34,6 +34,7 @@ void world_destroy(struct world *world)
         return;
     emission_free(&world->emission);
     emission_node_destroy(world->input.emission);
+    volume_destroy(world->input.volume);
     map_destroy(world->map);
     free(world->image_name);
     free(world);
@@ -58,6 +59,7 @@ bool scene_set_world(struct scene *scene, const struct world_input *in, stokes_e
     if (!world || (in->image && !(world->image_name = copy_text(in->image)))) {
         free(world);
         emission_node_destroy(in->emission);
+        volume_destroy(in->volume);
         return fail(err, "world", "image", "no memory");
     }
     world->input = *in;

@@ -100,7 +100,7 @@ void session_fingerprint(const stokes_session *session, const struct session_set
 {
     const struct integrator_settings *s = &settings->integrator;
     const int whole[] = {s->lanes,          s->connectable_only, s->shared_wavelength,        s->kernel,          s->mollify_side,   s->max_path,         s->max_camera,
-                         s->max_light,       s->max_diffuse,    s->max_glossy,       s->max_transmission,
+                         s->max_light,       s->max_diffuse,    s->max_glossy,       s->max_transmission, s->max_volume,
                          s->max_transparent, s->roulette_start, s->film_transparent, s->spectral_bins,
                          settings->uv_rule,  (int)s->seed};
     const double real[] = {s->d0_nm,

@@ -38,6 +38,7 @@ static bool check_edges(const struct integrator_settings *s, stokes_error *err)
            check_range("max_diffuse", s->max_diffuse, 0, INT_MAX, err) &&
            check_range("max_glossy", s->max_glossy, 0, INT_MAX, err) &&
            check_range("max_transmission", s->max_transmission, 0, INT_MAX, err) &&
+           check_range("max_volume", s->max_volume, 0, INT_MAX, err) &&
            check_range("max_transparent", s->max_transparent, 0, INT_MAX, err) &&
            check_range("roulette_start", s->roulette_start, 0, INT_MAX, err);
 }

@@ -20,9 +20,10 @@ static bool read_visibility(const struct place *root, struct visibility *visible
         {"glossy", FIELD_BOOL, false, offsetof(struct visibility, glossy), 0, 0, 0},
         {"transmission", FIELD_BOOL, false, offsetof(struct visibility, transmission), 0, 0, 0},
         {"shadow", FIELD_BOOL, false, offsetof(struct visibility, shadow), 0, 0, 0},
+        {"volume", FIELD_BOOL, false, offsetof(struct visibility, volume), 0, 0, 0},
     };
     struct place place = place_member(root, "visible");
-    *visible = (struct visibility){true, true, true, true, true};
+    *visible = (struct visibility){true, true, true, true, true, true};
     return !place.value || (place_is(&place, JSON_OBJECT) &&
                             read_fields(&place, fields, sizeof fields / sizeof *fields, visible));
 }
@@ -166,9 +167,14 @@ bool apply_instances(const struct place *root)
 bool apply_material(const struct place *root)
 {
     struct message *message = root->message;
-    struct place surface = place_member(root, "surface");
+    struct place surface = place_member(root, "surface"), inside = place_member(root, "volume");
+    struct volume *volume = NULL;
     struct closure *closure = read_closure(&surface, EXPRESSION_DEPTH);
-    return closure && scene_add_material(message->session->scene, message->object, closure, message->err);
+    if (!closure || (inside.value && !(volume = read_volume(&inside)))) {
+        closure_destroy(closure);
+        return false;
+    }
+    return scene_add_material_with(message->session->scene, message->object, closure, volume, message->err);
 }
 
 /* --- Lights and world -------------------------------------------------------------------------------------- */
@@ -229,7 +235,7 @@ bool apply_world(const struct place *root)
     struct message *message = root->message;
     struct world_input world = {.scale = 1, .to_map = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}};
     struct place kind = place_member(root, "kind"), image = place_member(root, "image");
-    struct place emission = place_member(root, "emission");
+    struct place emission = place_member(root, "emission"), inside = place_member(root, "volume");
     int chosen;
     if (!read_choice(&kind, kinds, &chosen) || !read_fields(root, fields, 2, &world) ||
         !read_visibility(root, &world.visible))
@@ -238,8 +244,12 @@ bool apply_world(const struct place *root)
         return false;
     if (chosen == 1 && !scene_find_image(message->session->scene, world.image))
         return place_fail(&image, "image '%.100s' has not been sent", world.image);
-    if (chosen == 0 && !(world.emission = read_emission(&emission)))
+    if (inside.value && !(world.volume = read_volume(&inside)))
         return false;
+    if (chosen == 0 && !(world.emission = read_emission(&emission))) {
+        volume_destroy(world.volume);
+        return false;
+    }
     return scene_set_world(message->session->scene, &world, message->err);
 }
 

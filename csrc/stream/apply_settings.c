@@ -19,6 +19,7 @@ static const struct field settings_fields[] = {
     {"max_diffuse", FIELD_INT, false, AT(integrator.max_diffuse), 0, 0, INT_MAX},
     {"max_glossy", FIELD_INT, false, AT(integrator.max_glossy), 0, 0, INT_MAX},
     {"max_transmission", FIELD_INT, false, AT(integrator.max_transmission), 0, 0, INT_MAX},
+    {"max_volume", FIELD_INT, false, AT(integrator.max_volume), 0, 0, INT_MAX},
     {"max_transparent", FIELD_INT, false, AT(integrator.max_transparent), 0, 0, INT_MAX},
     {"roulette_start", FIELD_INT, false, AT(integrator.roulette_start), 0, 0, INT_MAX},
     {"lambda_min", FIELD_FLOAT, false, AT(integrator.lambda_min), 0, 0, 1e6},

@@ -4,6 +4,7 @@
 #define STREAM_EXPRESSIONS_H
 
 #include "material/closure.h"
+#include "material/volume.h"
 #include "stream/members.h"
 
 #define EXPRESSION_DEPTH 64
@@ -23,6 +24,9 @@ struct emission_node *read_emission(const struct place *);
 stokes_matrix *read_matrix(const struct place *);
 /* A closure tree. closure_destroy. */
 struct closure *read_closure(const struct place *, int depth);
+
+/* W. volume_destroy. */
+struct volume *read_volume(const struct place *);
 
 /* An RGB colour that is counted when no reflectance reaches it. */
 struct spectrum *rgb_spectrum(struct message *, enum rgb_method, const float rgb[3]);

@@ -120,7 +120,7 @@ static void add_instance_seen(struct scene *scene, const char *mesh, const char 
 
 static void add_instance(struct scene *scene, const char *mesh, const char *material)
 {
-    add_instance_seen(scene, mesh, material, (struct visibility){true, true, true, true, true});
+    add_instance_seen(scene, mesh, material, (struct visibility){true, true, true, true, true, true});
 }
 
 void box_add_quad(struct scene *scene, const char *name, const char *material, const float corners[4][3])
@@ -235,7 +235,7 @@ struct scene *hidden_lamp_scene(struct range range, int pixels)
 
 static void add_world(struct scene *scene, struct range range, float radiance_per_nm)
 {
-    struct world_input world = {.scale = 1, .visible = {true, true, true, true, true}};
+    struct world_input world = {.scale = 1, .visible = {true, true, true, true, true, true}};
     stokes_error err;
     world.emission = calloc(1, sizeof *world.emission);
     world.emission->spectrum = spectrum_constant(range, radiance_per_nm);
@@ -270,7 +270,7 @@ struct scene *hole_scene(struct range range, int pixels)
                                         .material_count = 1,
                                         .transforms = identity,
                                         .transform_count = 1,
-                                        .visible = {true, true, true, true, true},
+                                        .visible = {true, true, true, true, true, true},
                                         .holdout = true};
     stokes_error err;
     expect(scene_add_material(scene, "grey", box_diffuse(range, 0.6f), &err), &err);

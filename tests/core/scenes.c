@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 const struct transform scenes_identity = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-const struct visibility scenes_visible = {true, true, true, true, true};
+const struct visibility scenes_visible = {true, true, true, true, true, true};
 
 static void must(bool good, const stokes_error *err)
 {
