@@ -13,8 +13,8 @@ picture = bpy.data.images.new("Picture", 4, 4)
 picture.pack()
 count = 0
 
-def show(name, make):
-    \"\"\"A square of a material whose surface is what make(tree) returns.\"\"\"
+def show(name, make, identifier="Surface"):
+    \"\"\"A square of a material whose surface, or volume, is what make(tree) returns.\"\"\"
     global count
     x, y = divmod(count, 12)
     count += 1
@@ -23,8 +23,8 @@ def show(name, make):
     material.use_nodes = True
     tree = material.node_tree
     socket = make(tree)
-    surface = next(s for s in tree.get_output_node('CYCLES').inputs if s.identifier == "Surface")
-    tree.links.new(socket, surface)
+    end = next(s for s in tree.get_output_node('CYCLES').inputs if s.identifier == identifier)
+    tree.links.new(socket, end)
 
 def through(tree, bl_idname, source, *identifiers):
     shader = tree.nodes.new(bl_idname)
@@ -52,11 +52,14 @@ def add_kind(name, make, value):
         title = "%s %d %s" % (name, i, value)
         if output.type == 'SHADER':
             show(title, lambda tree: make(tree).outputs[i])
+            show(title + " V", lambda tree: make(tree).outputs[i], "Volume")
         elif output.enabled:
             show(title + " D", lambda tree: through(tree, "ShaderNodeBsdfDiffuse", make(tree).outputs[i],
                                                     "Color", "Roughness", "Normal"))
             show(title + " P", lambda tree: through(tree, "ShaderNodeBsdfPrincipled", make(tree).outputs[i],
                                                     "Base Color", "Metallic", "Emission", "Emission Color", "Alpha"))
+            show(title + " S", lambda tree: through(tree, "ShaderNodeVolumeScatter", make(tree).outputs[i],
+                                                    "Color", "Density", "Anisotropy"), "Volume")
             show(title + " E", lambda tree: through(tree, "ShaderNodeEmission", make(tree).outputs[i],
                                                     "Color", "Strength"))
 

@@ -223,8 +223,9 @@ def material_of(mesh, name, bl_idname, identifier):
     shader = nodes.new(tree, "fluorescent") if bl_idname is None else tree.nodes.new(bl_idname)
     tree.links.new(shader.outputs[0], next(s for s in end.inputs if s.identifier == identifier))
 
-fog, coral = add_mesh("Fog"), add_mesh("Coral")
-fog.visible_volume_scatter = False
+fog, coral, lamp = add_mesh("Fog"), add_mesh("Coral"), add("Lamp", bpy.data.lights.new("Lamp", 'POINT'))
+fog.visible_volume_scatter = fog.visible_diffuse = False
+coral.visible_volume_scatter = lamp.visible_volume_scatter = False
 material_of(fog, "Fog", "ShaderNodeVolumeScatter", "Volume")
 material_of(coral, "Coral", None, "Surface")
 tree = scene.world.node_tree
@@ -235,13 +236,15 @@ scene.stokes.max_volume = 5
 frames = render_frames()
 materials = {m["name"]: m for m in messages(frames, "material")}
 tell([materials["Fog"], [materials["Coral"][k] for k in ("surface", "volume")], messages(frames, "world")[0],
-      {m["mesh"]: m["visible"] for m in messages(frames, "instances")}, messages(frames, "settings")[0]["max_volume"]])
+      {m["name"]: m["visible"] for kind in ("instances", "light") for m in messages(frames, kind)},
+      messages(frames, "settings")[0]["max_volume"]])
 """, tmp_path)
     fog, (coral, empty), world, visible, bounces = found
     assert fog["surface"] == {"bsdf": "transparent", "color": 1} and fog["volume"] == SCATTER
     assert coral["bsdf"] == "fluorescent" and empty is None
     assert world["volume"] == ABSORPTION and world["kind"] == "constant"
-    assert visible["Fog"]["volume"] is False and visible["Fog"]["camera"] is True and visible["Coral"]["volume"] is True
+    assert visible["Fog"]["volume"] is False and visible["Fog"]["camera"] is True and visible["Lamp"]["volume"] is False
+    assert visible["Coral"]["volume"] is (host.version < (4, 5)), "to Cycles of before, light from a volume is diffuse"
     assert bounces == 5
 
 

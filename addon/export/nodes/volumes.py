@@ -14,8 +14,9 @@ from .graph import decimal, describe
 from .registry import VOLUMES, fills, key_of
 from .spectra import on_grid
 from .stokes import table
-from .values import Constant, as_rgb, as_spectrum, rgb_spectrum
+from .values import Constant, Spectral, as_rgb, as_spectrum, rgb_spectrum
 
+_DENSEST = 1e6  # 1/m; beyond it nothing is seen that a surface would not show
 _FARTHEST = 0.999  # anisotropy; at 1 light would go straight on, as if there were nothing
 
 # Nodes that ask for what only grids have.
@@ -52,7 +53,7 @@ def scatter(node, graph):
         {
             "volume": "scatter",
             "color": color,
-            "density": strength * graph.number(node, "Density", low=0.0),
+            "density": min(_DENSEST, strength * _density(node, graph)),
             "anisotropy": _anisotropy(node, graph),
         }
     )
@@ -64,7 +65,7 @@ def absorption(node, graph):
         {
             "volume": "absorption",
             "color": as_spectrum(_share(node, graph, "Color")),
-            "density": graph.number(node, "Density", low=0.0),
+            "density": _density(node, graph),
         }
     )
 
@@ -80,7 +81,7 @@ def principled(node, graph):
             "volume": "principled",
             "color": as_spectrum(_share(node, graph, "Color")),
             "absorption_color": _rooted(_share(node, graph, "Absorption Color")),
-            "density": graph.number(node, "Density", low=0.0),
+            "density": _density(node, graph),
             "anisotropy": _anisotropy(node, graph),
         }
     )
@@ -124,6 +125,10 @@ def _unless_thin(volume):
     return volume if volume["density"] > 0.0 else None
 
 
+def _density(node, graph):
+    return graph.number(node, "Density", low=0.0, high=_DENSEST)
+
+
 def _anisotropy(node, graph):
     """Of Henyey and Greenstein's phase function, the only one that we have."""
     phase = getattr(node, "phase", 'HENYEY_GREENSTEIN')  # others came with 4.3
@@ -152,9 +157,12 @@ def _even(node, graph, name):
     value = graph.plain_value(socket)
     if isinstance(value, Constant):
         return Constant(tuple(max(0.0, channel) for channel in as_rgb(value.value)))
-    if as_spectrum(value) is None or on_grid(as_spectrum(value)) is None:
+    values = on_grid(as_spectrum(value)) if isinstance(value, Spectral) else None
+    if values is None:
         return graph.instead(node, socket, graph.cannot_vary)
-    return value
+    if min(values) >= 0.0:
+        return value
+    return value._replace(spectrum=table(library.wavelengths(), [max(0.0, v) for v in values]))
 
 
 def _top(value):
@@ -165,7 +173,7 @@ def _top(value):
 def _scattered(node, graph):
     """(S within 0 and 1, what the density is to be multiplied by for it)."""
     value = _even(node, graph, "Color")
-    top = _top(value)
+    top = min(_top(value), _DENSEST)
     if top <= 1.0:
         return as_spectrum(value), 1.0
     if isinstance(value, Constant):
@@ -199,7 +207,7 @@ def _coefficient(node, graph, name):
     if isinstance(value, Constant) and min(as_rgb(value.value)) < 0.0:
         graph.warn(node, "%s %s is negative somewhere; 0 is used there" % (name, describe(value)))
     value = _even(node, graph, name)
-    top = _top(value)
+    top = min(_top(value), _DENSEST)
     if not isinstance(value, Constant) or top <= 1.0:
         return as_spectrum(value)
     return {"scale": top, "of": rgb_spectrum(tuple(channel / top for channel in value.value))}
