@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+#include "film/film.h"
+
 /* cmocka's `fail` macro hides base/error.h's function: included last. */
 #include <cmocka.h>
 
@@ -259,11 +261,8 @@ struct scene *hole_scene(struct range range, int pixels)
     static const uint32_t triangles[6] = {0, 1, 2, 0, 2, 3};
     const char *material = "grey";
     struct scene *scene = scene_create();
-    struct mesh_input mesh = {.name = "hole",
-                              .positions = left[0],
-                              .vertex_count = 4,
-                              .triangles = triangles,
-                              .triangle_count = 2};
+    struct mesh_input mesh = {
+        .name = "hole", .positions = left[0], .vertex_count = 4, .triangles = triangles, .triangle_count = 2};
     struct instances_input instances = {.name = "hole",
                                         .mesh = "hole",
                                         .materials = &material,
@@ -296,7 +295,8 @@ static struct scene *box_of(struct range range, struct closure *floor, bool lens
     add_camera(scene, pixels);
     box_add_quad(scene, "lamp", "lamp", lamp);
     if (ball)
-        box_add_sphere(scene, "ball", "glass", lenses ? (float[3]){0, 0, 0.5f} : (float[3]){0.3f, 0.3f, -0.5f},
+        box_add_sphere(scene, "ball", "glass",
+                       lenses ? (float[3]){0, 0, 0.5f} : (float[3]){0.3f, 0.3f, -0.5f},
                        lenses ? 0.35f : 0.4f);
     if (lenses)
         box_add_sphere(scene, "lens", "glass", (float[3]){0, -0.45f, 0}, 0.3f);
@@ -312,4 +312,52 @@ struct scene *box_scene(struct range range, bool lenses, int pixels)
 struct scene *grey_box_scene(struct range range, int pixels)
 {
     return box_of(range, box_diffuse(range, 0.6f), false, false, pixels);
+}
+
+struct scene *saturated_box_scene(struct range range, int pixels)
+{
+    struct closure *dye = box_fluorescent(range, 1, 0.9f);
+    struct color_node *absorption = dye->color[place(dye, "absorption")],
+                      *emission = dye->color[place(dye, "emission")];
+    spectrum_destroy(absorption->spectrum);
+    absorption->spectrum = spectrum_line(range, 450, 120, "band", NULL);
+    spectrum_destroy(emission->spectrum);
+    emission->spectrum = spectrum_gaussian(range, 530, 30, 1, "bell", NULL);
+    return box_of(range, dye, false, false, pixels);
+}
+
+/* --- Renders ------------------------------------------------------------------------------------------------ */
+
+struct integrator_settings box_settings(const char *name, double d_nm)
+{
+    struct integrator_settings settings = integrator_settings_default();
+    settings.name = name;
+    settings.d0_nm = d_nm;
+    settings.shrink = 0;
+    return settings;
+}
+
+/* Mean Y of the lower part of the picture, where no lamp is, in batches, one a seed. */
+struct batches box_mean_below(const struct scene *scene, struct range range,
+                              struct integrator_settings settings, int samples)
+{
+    enum { PIXELS = 16 };
+    int border[4] = {0, 0, PIXELS, PIXELS};
+    struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
+    struct batches batches = {0};
+    for (settings.seed = 0; settings.seed < 32; settings.seed++) {
+        struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
+        double sum = 0;
+        assert_non_null(it);
+        film_clear(film);
+        for (int sample = 0; sample < samples; sample++)
+            for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++)
+                integrator_sample(it, 0, pixel % PIXELS, pixel / PIXELS, sample);
+        for (int pixel = 0; pixel < PIXELS * PIXELS * 3 / 8; pixel++)
+            sum += (double)film->sum[4 * pixel + 1] / (1 << FILM_FRACTION_BITS);
+        batches_add(&batches, sum / samples);
+        integrator_destroy(it);
+    }
+    film_destroy(film);
+    return batches;
 }

@@ -3,7 +3,9 @@
 #define BOXES_H
 
 #include "base/error.h"
+#include "integrator/path.h"
 #include "scene/build.h"
+#include "statistics.h"
 
 /* Closures; each call makes a new tree that the scene takes. Spectra are over `range`. */
 struct closure *box_diffuse(struct range, float reflectance);
@@ -32,5 +34,13 @@ struct scene *hole_scene(struct range, int pixels);
 
 /* The same box, all grey and without glass: nothing in it depends on the wavelength. Committed. */
 struct scene *grey_box_scene(struct range, int pixels);
+
+/* The same box without glass, with a dye that absorbs all of a band, and so reflects nothing there. Committed. */
+struct scene *saturated_box_scene(struct range, int pixels);
+
+/* An integrator with a kernel of constant half-width. */
+struct integrator_settings box_settings(const char *name, double d_nm);
+/* Mean Y of the lower part of a picture of 16 × 16 pixels, where no lamp is, in 32 batches, one a seed. */
+struct batches box_mean_below(const struct scene *, struct range, struct integrator_settings, int samples);
 
 #endif

@@ -11,7 +11,6 @@
 
 #include <cmocka.h>
 
-enum { BATCHES = 32 };
 static const struct range range = {300, 830};
 
 /* Mean of Y over the film, against the world's own. (X+Y+Z is what p_cam draws from: it has no variance here.) */
@@ -44,45 +43,12 @@ static void the_empty_world_has_its_radiance(void **state)
     scene_destroy(scene);
 }
 
-/* Mean Y of the lower part of the picture, where no lamp is, in batches, one a seed. */
-static struct batches mean_below(const struct scene *scene, struct integrator_settings settings, int samples)
-{
-    enum { PIXELS = 16 };
-    int border[4] = {0, 0, PIXELS, PIXELS};
-    struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
-    struct batches batches = {0};
-    for (settings.seed = 0; settings.seed < BATCHES; settings.seed++) {
-        struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
-        double sum = 0;
-        assert_non_null(it);
-        film_clear(film);
-        for (int sample = 0; sample < samples; sample++)
-            for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++)
-                integrator_sample(it, 0, pixel % PIXELS, pixel / PIXELS, sample);
-        for (int pixel = 0; pixel < PIXELS * PIXELS * 3 / 8; pixel++)
-            sum += (double)film->sum[4 * pixel + 1] / (1 << FILM_FRACTION_BITS);
-        batches_add(&batches, sum / samples);
-        integrator_destroy(it);
-    }
-    film_destroy(film);
-    return batches;
-}
-
-static struct integrator_settings settings_of(const char *name, double d_nm)
-{
-    struct integrator_settings settings = integrator_settings_default();
-    settings.name = name;
-    settings.d0_nm = d_nm;
-    settings.shrink = 0;
-    return settings;
-}
-
 /* A lamp that diffuse rays do not see lights nothing, whichever end of the path was traced first. */
 static void what_only_the_camera_sees_lights_nothing(void **state)
 {
     struct scene *scene = hidden_lamp_scene(range, 16);
-    struct batches reference = mean_below(scene, settings_of("pt", 4), 128),
-                   other = mean_below(scene, settings_of(*state, 4), 32);
+    struct batches reference = box_mean_below(scene, range, box_settings("pt", 4), 128),
+                   other = box_mean_below(scene, range, box_settings(*state, 4), 32);
     /* The second lamp would add about as much as the first. */
     assert_same(&reference, &other, 1, (struct power){.sees_error = 0.15});
     scene_destroy(scene);
@@ -94,15 +60,36 @@ static void a_wide_kernel_is_exact_on_grey(void **state)
 {
     (void)state;
     struct scene *scene = grey_box_scene(range, 16);
-    struct integrator_settings mollified = settings_of("mbdpt", 100);
+    struct integrator_settings mollified = box_settings("mbdpt", 100);
     mollified.lanes = 4;
-    struct batches reference = mean_below(scene, settings_of("bdpt", 4), 48),
-                   other = mean_below(scene, mollified, 48);
+    struct batches reference = box_mean_below(scene, range, box_settings("bdpt", 4), 48),
+                   other = box_mean_below(scene, range, mollified, 48);
     assert_same(&reference, &other, 1, (struct power){.sees_error = 0.011});
     mollified.lanes = 1;
     mollified.shared_wavelength = true;
-    other = mean_below(scene, mollified, 32);
+    other = box_mean_below(scene, range, mollified, 32);
     assert_same(&reference, &other, 1, (struct power){.sees_error = 0.015});
+    scene_destroy(scene);
+}
+
+/* A dye that lets nothing be reflected in a band: what leaves it there is drawn apart from what passes elsewhere, and a run that is evaluated
+   again at another wavelength needs both. mbdpt evaluates no run again. What becomes of the others without the clamp of P_F is
+   test_unclamped.c's. */
+static void a_dye_that_absorbs_all_brings_runs_evaluated_again_what_it_brings_others(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        int lanes, samples;
+    } subject[] = {{"bdpt", 1, 40}, {"bdpt", 4, 20}, {"pt_nee", 1, 64}};
+    struct scene *scene = saturated_box_scene(range, 16);
+    struct batches reference = box_mean_below(scene, range, box_settings("mbdpt", 2), 40);
+    for (int i = 0; i < 3; i++) {
+        struct integrator_settings settings = box_settings(subject[i].name, 2);
+        settings.lanes = subject[i].lanes;
+        struct batches other = box_mean_below(scene, range, settings, subject[i].samples);
+        assert_same(&reference, &other, 1, (struct power){.sees_error = 0.035});
+    }
     scene_destroy(scene);
 }
 
@@ -113,7 +100,7 @@ static void a_holdout_is_black_and_clear_and_the_rest_is_not(void **state)
     struct scene *scene = hole_scene(range, PIXELS);
     int border[4] = {0, 0, PIXELS, PIXELS};
     struct film *film = film_create(PIXELS, PIXELS, border, 0, range, NULL);
-    struct integrator_settings settings = settings_of(*state, 4);
+    struct integrator_settings settings = box_settings(*state, 4);
     settings.filter_width = 0.1f;
     struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
     assert_non_null(it);
@@ -145,6 +132,7 @@ int main(void)
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "mbdpt"),
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "bdpt"),
         cmocka_unit_test(a_wide_kernel_is_exact_on_grey),
+        cmocka_unit_test(a_dye_that_absorbs_all_brings_runs_evaluated_again_what_it_brings_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
