@@ -253,6 +253,39 @@ def box(path, resolution=(64, 48), border=None, specular=True, view="front", **s
         out.send("render", samples=[0, 16])
 
 
+def turned(positions, angle):
+    """About the Z axis."""
+    c, s = np.cos(angle), np.sin(angle)
+    return positions @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+
+
+def glass_box(path, where, resolution=(32, 32), **settings):
+    """A box with a fluorescent back wall and one piece of strongly dispersive glass: a block that stands before the wall and reflects
+    totally from within ("block"), a ball about the lamp ("lamp"), or one about the camera ("camera")."""
+    message, _ = emission(LIGHTS["d65"], 10)
+    grey = exact.Material(exact.Table([300, 830], [0.4, 0.4]))
+    with stream.Recorder(path) as out:
+        out.send("settings", **settings)
+        out.send("material", name="grey", surface=grey.message())
+        out.send("material", name="paint", surface=MATERIALS["fluorescent"].message())
+        out.send("material", name="glass", surface={"bsdf": "dielectric", "ior": {"n_d": 1.8, "abbe": 20}})
+        out.send("material", name="lamp", surface={"emission": message, "two_sided": False})
+        positions, triangles = cube()
+        back = positions[triangles].mean(axis=1)[:, 1] > 0.9
+        mesh(out, "box", positions, triangles, back)
+        instance(out, "box", ["grey", "paint"])
+        if where == "block":
+            positions, triangles = cube(0.4)
+            mesh(out, "glass", turned(positions, 0.5) + [0.1, 0.2, -0.5], triangles[:, ::-1])
+        else:
+            mesh(out, "glass", *(ball(3, 0.5, (0, 0.1, 0.3)) if where == "lamp" else ball(3, 0.3, (0.05, -0.5, 0))))
+        instance(out, "glass", ["glass"])
+        mesh(out, "lamp", *ball(2, 0.3, (0, 0.1, 0.3)))
+        instance(out, "lamp", ["lamp"])
+        camera(out, [1, 0, 0, 0, 0, 0, -1, -0.5 if where == "camera" else -0.95, 0, 1, 0, 0], resolution, 0.75)
+        out.send("render", samples=[0, 16])
+
+
 def lamp_in_the_dark(path, resolution=(12, 12)):
     """A bright square, a fraction of a pixel wide, before a camera; nothing reflects."""
     message, _ = emission(LIGHTS["d65"])
