@@ -13,14 +13,6 @@ struct meeting {
     const int *splat; /* NULL: the camera's pixel */
 };
 
-static void contribute(const struct integrator *it, struct worker *w, struct meeting *m,
-                       const double density[LANES_MAX])
-{
-    struct joint *joint = &m->joint;
-    const float *film = joint->t == 1 ? joint->lambda : joint->end[SIDE_CAMERA].vertex->lambda_film;
-    joint_contribute(it, w, joint, density, film, m->splat);
-}
-
 /* --- Both ends elastic ----------------------------------------------------------------------------------------- */
 
 /* The end of an E–E connection that takes the kernel, with the densities of eqs. 25–26 in labelled space (algorithm.md §6). The kernel
@@ -87,9 +79,12 @@ static void join_pairs(const struct integrator *it, struct worker *w, struct mee
     memcpy(joint->lane, pairs->lane, sizeof joint->lane);
     enum side blurred = it->settings.mollify_side, sharp = blurred == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
     memcpy(joint->lambda, joint->end[sharp].at->lambda, sizeof joint->lambda);
-    mollified_end(it, joint, blurred, w->half_width_nm);
-    joint_evaluate_end(it, joint, sharp);
-    joint_contribute(it, w, joint, pairs->density, film, m->splat);
+    joint->owed = 1;
+    if (joint_survives(it, w, joint, pairs->density, film)) {
+        mollified_end(it, joint, blurred, w->half_width_nm);
+        joint_evaluate_end(it, joint, sharp);
+        joint_contribute(it, w, joint, pairs->density, film, m->splat);
+    }
     y->at = of_y;
     x->at = of_x;
     memcpy(joint->lane, joint_straight, sizeof joint->lane);
@@ -156,8 +151,10 @@ static void join_fluorescent(const struct integrator *it, struct worker *w, stru
             return;
         density = product;
     }
-    if (joint_evaluate_end(it, joint, SIDE_LIGHT) && joint_evaluate_end(it, joint, SIDE_CAMERA))
-        contribute(it, w, m, density);
+    const float *film = joint->t == 1 ? joint->lambda : x->vertex->lambda_film;
+    joint->owed = 1;
+    if (joint_evaluate(it, w, joint, density, film))
+        joint_contribute(it, w, joint, density, film, m->splat);
 }
 
 /* All pairs of labels of one connection. */
@@ -226,15 +223,14 @@ void connect_all(const struct integrator *it, struct worker *w)
     const struct integrator_settings *settings = &it->settings;
     struct meeting m;
     m.splat = NULL;
-    for (int t = 2; t <= w->camera.count; t++) {
-        if (!w->camera.vertex[t - 1].surface.connects)
-            continue;
-        if (settings->technique[1][t])
+    for (int t = 2; t <= w->camera.count; t++)
+        if (settings->technique[1][t] && w->camera.vertex[t - 1].surface.connects)
             connect_light(it, w, t);
+    for (int t = 2; t <= w->camera.count; t++)
         for (int s = 2; s <= w->light.count; s++)
-            if (settings->technique[s][t] && w->light.vertex[s - 1].surface.connects)
+            if (settings->technique[s][t] && w->camera.vertex[t - 1].surface.connects &&
+                w->light.vertex[s - 1].surface.connects)
                 join(it, w, &m, &w->light, s, &w->camera, t, &w->sight[(s - 1) * PATH_VERTICES + t - 1]);
-    }
     for (int s = 1; s <= w->light.count; s++)
         if (settings->technique[s][1] && (s == 1 || w->light.vertex[s - 1].surface.connects))
             connect_camera(it, w, s);

@@ -7,6 +7,7 @@
 #include "integrator/joint.h"
 #include "integrator/link.h"
 #include "integrator/relight.h"
+#include "integrator/roulette.h"
 #include "integrator/tally.h"
 
 /* Ends that share a run: either one vertex as an F end (its run begins there, with nothing in between), or the E ends of a run in the order
@@ -73,6 +74,7 @@ struct bundle {
     float lambda[LANES_MAX];
     double drawn[LANES_MAX];
     const double *density; /* drawn, or NULL for what a sub-path's own steps have paid already */
+    double owed;           /* 1/(chance that roulette left the run) */
 };
 
 /* Wavelengths on the film of paths whose connecting run has the bundle. */
@@ -99,8 +101,10 @@ static void join(const struct integrator *it, struct worker *w, struct joint *jo
     if (mu->lanes > joint->lanes)
         joint->lanes = mu->lanes;
     memcpy(joint->lambda, mu->lambda, sizeof joint->lambda);
-    if (joint_evaluate_end(it, joint, SIDE_LIGHT) && joint_evaluate_end(it, joint, SIDE_CAMERA))
-        joint_contribute(it, w, joint, mu->density, film_lambda(camera, x, mu), splat);
+    joint->owed = mu->owed;
+    const float *film = film_lambda(camera, x, mu);
+    if (joint_evaluate(it, w, joint, mu->density, film))
+        joint_contribute(it, w, joint, mu->density, film, splat);
 }
 
 static void join_taps(const struct integrator *it, struct worker *w, const struct taps *light,
@@ -152,6 +156,7 @@ static bool bundle_draw(const struct integrator *it, const struct worker *w, int
 {
     mu->lanes = it->lanes;
     mu->density = mu->drawn;
+    mu->owed = 1;
     return draw_product(it, w, source, sink, dimension, it->lanes, mu->lambda, mu->drawn);
 }
 
@@ -161,30 +166,73 @@ static void bundle_traced(const struct integrator *it, const struct subpath *pat
 {
     mu->lanes = 1;
     mu->density = NULL;
+    mu->owed = 1;
     for (int i = 0; i < it->lanes; i++)
         mu->lambda[i] = path->vertex[g->dispersive].arrival.lambda[0];
+}
+
+/* Parts of two groups, vertices [y, y_end) and [x, x_end), that may be connected. */
+struct meeting {
+    const struct group *light, *camera;
+    int y, y_end, x, x_end;
+};
+
+/* Roulette by what the edges of a meeting are likely to bring in all, before anything is evaluated again. `per_nm` is how likely the two sides are to agree on a
+   wavelength. 1/(the chance that was), or 0: given up, or there is no edge. */
+static double meeting_survives(const struct integrator *it, struct worker *w, const struct meeting *m,
+                               float per_nm)
+{
+    float sum = 0;
+    bool any = false;
+    for (int y = m->y; y < m->y_end; y++)
+        for (int x = m->x; x < m->x_end; x++) {
+            const struct vertex *v = &w->light.vertex[y], *u = &w->camera.vertex[x];
+            struct joint joint;
+            if (!it->settings.technique[y + 1][x + 1] || !can_end(v, m->light->as) ||
+                !can_end(u, m->camera->as) ||
+                !joint_open(&joint, v, u, w->stamp, &w->sight[y * PATH_VERTICES + x]))
+                continue;
+            any = true;
+            sum += w->power[SIDE_LIGHT][y] * w->power[SIDE_CAMERA][x] * joint.geometry;
+        }
+    return any ? roulette(it, w, (double)(sum * per_nm) * roulette_white(it)) : 0;
 }
 
 static void join_groups(const struct integrator *it, struct worker *w, const struct group *light,
                         const struct group *camera, uint32_t dimension)
 {
+    int source = origin_of(it, SIDE_LIGHT, &w->light, light),
+        sink = origin_of(it, SIDE_CAMERA, &w->camera, camera);
     struct taps y, x;
     struct bundle mu;
-    bool y_plain = light->first < light->dispersive, x_plain = camera->first < camera->dispersive;
-    if (y_plain && x_plain &&
-        bundle_draw(it, w, origin_of(it, SIDE_LIGHT, &w->light, light),
-                    origin_of(it, SIDE_CAMERA, &w->camera, camera), dimension, &mu) &&
-        plain_taps(it, w, SIDE_LIGHT, &w->light, light, &mu, &y) &&
-        plain_taps(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
-        join_taps(it, w, &y, &x, &mu);
-    if (camera->dispersive < camera->end) { /* the camera's own wavelength */
+    double owed = meeting_survives(
+        it, w,
+        &(struct meeting){light, camera, light->first, light->dispersive, camera->first, camera->dispersive},
+        wavelengths_overlap(&it->wavelengths, source, sink));
+    if (owed > 0 && bundle_draw(it, w, source, sink, dimension, &mu)) {
+        mu.owed = owed;
+        if (plain_taps(it, w, SIDE_LIGHT, &w->light, light, &mu, &y) &&
+            plain_taps(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
+            join_taps(it, w, &y, &x, &mu);
+    }
+    owed = meeting_survives(
+        it, w,
+        &(struct meeting){light, camera, light->first, light->dispersive, camera->dispersive, camera->end},
+        w->light.vertex[light->first].arrival.draw[0]);
+    if (owed > 0) { /* the camera's own wavelength */
         bundle_traced(it, &w->camera, camera, &mu);
+        mu.owed = owed;
         x = dispersive_taps(&w->camera, camera);
         if (plain_taps(it, w, SIDE_LIGHT, &w->light, light, &mu, &y))
             join_taps(it, w, &y, &x, &mu);
     }
-    if (light->dispersive < light->end) { /* the light's own */
+    owed = meeting_survives(
+        it, w,
+        &(struct meeting){light, camera, light->dispersive, light->end, camera->first, camera->dispersive},
+        w->camera.vertex[camera->first].arrival.draw[0]);
+    if (owed > 0) { /* the light's own */
         bundle_traced(it, &w->light, light, &mu);
+        mu.owed = owed;
         y = dispersive_taps(&w->light, light);
         if (plain_taps(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
             join_taps(it, w, &y, &x, &mu);
@@ -381,6 +429,8 @@ void exact_connect_all(const struct integrator *it, struct worker *w)
     int lights = w->light.count > 0 ? list_groups(&w->light, of_light) : 0;
     int cameras = w->camera.count > 0 ? list_groups(&w->camera, of_camera) : 0;
     connect_lights(it, w, of_camera, cameras);
+    if (it->meets)
+        roulette_weigh(it, w);
     for (int x = 0; it->meets && x < cameras; x++)
         for (int y = 0; y < lights; y++)
             join_groups(it, w, &of_light[y], &of_camera[x],

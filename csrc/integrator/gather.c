@@ -123,6 +123,7 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
         if (it->cuts == CUTS_CHOSEN)
             weight[i] = mis_weight(it, &path);
         film_sample_add(it->film, &w->gathered, value * weight[i], lambda_film[i], it->kappa);
+        w->taken += value * weight[i];
         w->unconnected += connectable ? 0 : value * weight[i] * cmf_sum(lambda_film[i]);
         path.weight = weight[i];
         if (it->observe)

@@ -248,7 +248,8 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
     w->half_width_nm = (float)(settings->d0_nm * pow(sample + 1, -settings->shrink));
     w->reach_nm = 1 / (double)kernel_density(settings->kernel, 550, 550, w->half_width_nm);
     w->camera.count = w->light.count = w->copy.count = 0;
-    w->sightings = 0;
+    w->sightings = w->spins = 0;
+    w->taken = 0;
     w->hole = w->veil = 0;
     w->stamp++;
     film_sample_clear(it->film, &w->gathered);

@@ -5,6 +5,7 @@
 
 #include "integrator/flight.h"
 #include "integrator/relight.h"
+#include "integrator/roulette.h"
 #include "integrator/tally.h"
 
 int joint_choices(const struct vertex *v, struct choice out[CHOICES_MAX])
@@ -25,6 +26,13 @@ const uint8_t joint_straight[SIDES][LANES_MAX] = {{0, 1, 2, 3, 4, 5, 6, 7}, {0, 
 
 /* --- The edge ---------------------------------------------------------------------------------------------- */
 
+/* What comes to a matte surface on one side leaves it there. */
+static bool faces(const struct vertex *v, struct vec3 direction)
+{
+    return v->kind != VERTEX_SURFACE || !v->surface.is_matte ||
+           dot(v->to_prev, v->hit.ng) * dot(direction, v->hit.ng) > 0;
+}
+
 static bool look(const struct vertex *y, const struct vertex *x, struct sight *sight)
 {
     if (y->unbounded && x->unbounded)
@@ -42,7 +50,8 @@ static bool look(const struct vertex *y, const struct vertex *x, struct sight *s
             distance_squared = 1;
     }
     sight->geometry = vertex_cosine(y, sight->y_to_x) * vertex_cosine(x, sight->y_to_x) / distance_squared;
-    return sight->geometry > 0 && isfinite(sight->geometry);
+    return sight->geometry > 0 && isfinite(sight->geometry) && faces(y, sight->y_to_x) &&
+           faces(x, negate(sight->y_to_x));
 }
 
 bool joint_open(struct joint *joint, const struct vertex *y, const struct vertex *x, uint32_t stamp,
@@ -56,6 +65,7 @@ bool joint_open(struct joint *joint, const struct vertex *y, const struct vertex
     memcpy(joint->lane, joint_straight, sizeof joint->lane);
     joint->y_to_x = sight->y_to_x;
     joint->geometry = sight->geometry;
+    joint->owed = 1;
     return sight->state != SIGHT_NOTHING;
 }
 
@@ -244,6 +254,37 @@ bool joint_evaluate_end(const struct integrator *it, struct joint *joint, enum s
     return live > 0;
 }
 
+/* What an end may send on to the other one. */
+static float reach(const struct joint_end *end)
+{
+    return end->vertex->kind == VERTEX_SURFACE ? roulette_value(end->vertex, end->as.label) : 1;
+}
+
+bool joint_survives(const struct integrator *it, struct worker *w, struct joint *joint,
+                    const double density[LANES_MAX], const float lambda_film[LANES_MAX])
+{
+    const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
+    double sum = 0, common = joint->owed * (double)(joint->geometry * reach(y) * reach(x));
+    if (joint->t < 2)
+        return true;
+    for (int i = 0; i < joint->lanes; i++)
+        sum += roulette_color(it, lambda_film[i]) * y->at->throughput[i] * x->at->throughput[i] *
+               (joint->s > 1 ? 1 : (double)y->steps.value[i]) /
+               (density ? density[i] * joint->lanes : joint->lanes);
+    joint->owed *= roulette(it, w, common * sum);
+    return joint->owed > 0;
+}
+
+bool joint_evaluate(const struct integrator *it, struct worker *w, struct joint *joint,
+                    const double density[LANES_MAX], const float lambda_film[LANES_MAX])
+{
+    bool from_light = joint->s == 1;
+    return (!from_light || joint_evaluate_end(it, joint, SIDE_LIGHT)) &&
+           joint_survives(it, w, joint, density, lambda_film) &&
+           (from_light || joint_evaluate_end(it, joint, SIDE_LIGHT)) &&
+           joint_evaluate_end(it, joint, SIDE_CAMERA);
+}
+
 /* --- Contributions ----------------------------------------------------------------------------------------- */
 
 static void observe(const struct integrator *it, const struct worker *w, const struct joint *joint,
@@ -262,9 +303,9 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
                       const double density[LANES_MAX], const float lambda_film[LANES_MAX], const int splat[2])
 {
     const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
-    double value[LANES_MAX], weight[LANES_MAX];
+    double value[LANES_MAX], weight[LANES_MAX], common = joint->owed * (double)joint->geometry;
     for (int i = 0; i < joint->lanes; i++)
-        value[i] = y->at->throughput[i] * y->steps.value[i] * joint->geometry * x->steps.value[i] *
+        value[i] = common * y->at->throughput[i] * y->steps.value[i] * x->steps.value[i] *
                    x->at->throughput[i] / (density ? density[i] * joint->lanes : joint->lanes);
     if (!(lanes_sum(value, joint->lanes) > 0))
         return;
@@ -284,6 +325,7 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
             film_splat(it->film, splat[0], splat[1], value[i], lambda_film[i], it->kappa);
         else
             film_sample_add(it->film, &w->gathered, value[i], lambda_film[i], it->kappa);
+        w->taken += splat ? 0 : value[i];
     }
     if (it->observe)
         observe(it, w, joint, value, weight);

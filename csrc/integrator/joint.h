@@ -50,6 +50,7 @@ struct joint {
     struct sight *sight;
     struct vec3 y_to_x;
     float geometry;
+    double owed;                /* 1/(chance that roulette left it) */
     float pdf_camera_direction; /* t = 1 */
     struct joint_end end[SIDES];
     /* Of the labels and wavelengths at hand: */
@@ -63,7 +64,8 @@ struct joint {
 /* Lanes meet by number. */
 extern const uint8_t joint_straight[SIDES][LANES_MAX];
 
-/* Direction and geometry of an edge. False if it has no length, is at infinity at both ends, or is known to be blocked. */
+/* Direction and geometry of an edge. False if it has no length, is at infinity at both ends, leaves a matte surface on the side that the sub-path did
+   not come from, or is known to be blocked. */
 bool joint_open(struct joint *, const struct vertex *y, const struct vertex *x, uint32_t stamp,
                 struct sight *);
 
@@ -80,6 +82,14 @@ void joint_name_run(const struct integrator *, struct joint *);
 
 /* Evaluates one end at joint->lambda. False where every lane of it is dark. */
 bool joint_evaluate_end(const struct integrator *, struct joint *, enum side);
+
+/* Roulette, before surfaces are evaluated, but a light is: both ends are set, and so are the lanes; the arguments are joint_contribute's. False: given up. */
+bool joint_survives(const struct integrator *, struct worker *, struct joint *,
+                    const double density[LANES_MAX], const float lambda_film[LANES_MAX]);
+
+/* Both, end by end. */
+bool joint_evaluate(const struct integrator *, struct worker *, struct joint *,
+                    const double density[LANES_MAX], const float lambda_film[LANES_MAX]);
 
 /* Value × weight of each lane, over `density` of the lanes' wavelengths; what is above 0 is added to the camera's pixel or splatted. */
 void joint_contribute(const struct integrator *, struct worker *, struct joint *,

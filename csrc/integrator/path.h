@@ -135,6 +135,7 @@ enum dimension {
     DIM_COPY =
         9 << 16, /* the second light sub-path of exact.c: the light's dimensions, and one for each copy */
     DIM_COPY_STEP = 10 << 16,
+    DIM_ROULETTE = 11 << 16, /* per turn (roulette.h) */
 };
 enum { SIDES = 2 };
 /* Within a step: 0–3 the surface's, then */
@@ -162,7 +163,10 @@ struct haze;   /* joint.h */
 /* One worker's memory and the state of the path that it traces. */
 struct worker {
     struct subpath camera, light, copy;
-    uint32_t sightings;      /* emitters met by this camera sub-path */
+    uint32_t sightings;                /* emitters met by this camera sub-path */
+    uint32_t spins;                    /* of roulette on connections, in this sample */
+    double taken;                      /* what the sample has gathered so far, in all its bins alike */
+    float power[SIDES][PATH_VERTICES]; /* of the two sub-paths' vertices, for that (roulette.h) */
     double all, unconnected; /* gathered light, X+Y+Z, since the integrator was made; for the report */
     float veil;              /* of the void behind the scene, what volumes hide from the camera's ray */
     float hole;              /* how much of what the camera's ray met first is a hole in the picture */

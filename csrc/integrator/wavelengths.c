@@ -76,6 +76,17 @@ static const struct spectrum *source_spectrum(const struct wavelengths *w, const
     return scene_light_spectrum(scene, light);
 }
 
+/* ∫ e ã = e ã/P at any one wavelength; at the product's median, which both have. */
+static float overlap_of(const struct spectral_histogram *product, const struct spectrum *source,
+                        const struct spectrum *sink)
+{
+    float pdf;
+    if (!product)
+        return 0;
+    float median = spectral_histogram_sample(product, 0.5f, &pdf);
+    return pdf > 0 ? spectrum_pdf(source, median) * spectrum_pdf(sink, median) / pdf : 0;
+}
+
 static void fill_products(struct wavelengths *w, const struct scene *scene)
 {
     int sinks = w->fluorophores + 1, sources = w->shapes ? w->shapes + w->fluorophores : 0;
@@ -85,11 +96,13 @@ static void fill_products(struct wavelengths *w, const struct scene *scene)
             sink < w->fluorophores ? scene_fluorophore_absorption(scene, sink) : w->camera;
         struct spectral_histogram *shared =
             pairs ? NULL : spectral_histogram_create(taken, NULL, NULL, product_bin_nm);
-        for (int source = 0; source < sources; source++)
-            w->product[source * sinks + sink] =
-                pairs ? spectral_histogram_create(source_spectrum(w, scene, source), taken, NULL,
-                                                  product_bin_nm)
-                      : shared;
+        for (int source = 0; source < sources; source++) {
+            const struct spectrum *given = source_spectrum(w, scene, source);
+            struct spectral_histogram *product =
+                pairs ? spectral_histogram_create(given, taken, NULL, product_bin_nm) : shared;
+            w->product[source * sinks + sink] = product;
+            w->overlap[source * sinks + sink] = overlap_of(product, given, taken);
+        }
     }
 }
 
@@ -102,9 +115,10 @@ bool wavelengths_create(struct wavelengths *w, const struct integrator_settings 
     w->camera = visible_importance(range, scene_lamp_spectrum(scene));
     if (w->camera && settings->spectral_bins > 0)
         w->camera = binned_importance(range, settings->bins_min, settings->bins_max, w->camera);
-    w->product =
-        calloc((size_t)(w->shapes + w->fluorophores + 1) * (size_t)(w->fluorophores + 1), sizeof *w->product);
-    if (!w->camera || !w->product || !(spectrum_integral(w->camera) > 0)) {
+    size_t pairs = (size_t)(w->shapes + w->fluorophores + 1) * (size_t)(w->fluorophores + 1);
+    w->product = calloc(pairs, sizeof *w->product);
+    w->overlap = calloc(pairs, sizeof *w->overlap);
+    if (!w->camera || !w->product || !w->overlap || !(spectrum_integral(w->camera) > 0)) {
         wavelengths_destroy(w);
         return fail(err, "settings", "lambda_min, lambda_max",
                     "the camera sees no wavelength between %g and %g nm", settings->lambda_min,
@@ -123,6 +137,7 @@ void wavelengths_destroy(struct wavelengths *w)
         for (size_t i = 0; i < (pairs ? sinks * sources : sources ? sinks : 0); i++)
             spectral_histogram_destroy(w->product[i]);
     free(w->product);
+    free(w->overlap);
     spectrum_destroy(w->camera);
     *w = (struct wavelengths){0};
 }

@@ -11,6 +11,7 @@ struct wavelengths {
     struct spectrum *camera;             /* p_cam, not normalised */
     int shapes, fluorophores;            /* spectral shapes of lights; many lights share one */
     struct spectral_histogram **product; /* (shapes + fluorophores) × (fluorophores + 1) */
+    float *overlap;                      /* the same of ∫ e ã, both normalised, nm⁻¹; about */
 };
 
 bool wavelengths_create(struct wavelengths *, const struct integrator_settings *, const struct scene *,
@@ -31,6 +32,12 @@ static inline int wavelengths_sink_camera(const struct wavelengths *w)
 static inline int wavelengths_dye(const struct wavelengths *w, enum side side, int dye)
 {
     return side == SIDE_LIGHT ? wavelengths_source_dye(w, dye) : dye;
+}
+
+/* 0 where source and sink have no wavelength in common. */
+static inline float wavelengths_overlap(const struct wavelengths *w, int source, int sink)
+{
+    return w->overlap[source * (w->fluorophores + 1) + sink];
 }
 
 /* NULL where source and sink have no wavelength in common. */

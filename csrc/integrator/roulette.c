@@ -1,0 +1,52 @@
+/* A connection is certain if it is likely to bring a good share of what the sample has gathered already. What survives otherwise counts
+   for that share, so that it stands out from its sample no more than the rest does. */
+#include "integrator/roulette.h"
+
+/* Estimates take surfaces for white and weights for 1: what comes in the end is some ten times less. */
+static const double share = 0.6;
+static const double chance_min = 0.1;
+
+double roulette(const struct integrator *it, struct worker *w, double estimate)
+{
+    const double *xyz = w->gathered.xyz, bins = it->film->bins ? it->kappa * w->taken : 0;
+    double enough = share * (xyz[0] + xyz[1] + xyz[2] + bins);
+    if (!(estimate < enough))
+        return 1;
+    double chance = fmax(chance_min, estimate / enough);
+    return (double)random_at(w->random, DIM_ROULETTE + w->spins++) < chance ? 1 / chance : 0;
+}
+
+double roulette_color(const struct integrator *it, float lambda)
+{
+    float cmf[3];
+    cmf_eval(lambda, cmf);
+    return it->kappa * (double)(cmf[0] + cmf[1] + cmf[2] + (it->film->bins ? 1 : 0));
+}
+
+double roulette_white(const struct integrator *it)
+{
+    const double visible_nm = 320.6; /* ∫(x̄+ȳ+z̄)dλ */
+    double bins_nm = (double)(it->settings.lambda_max - it->settings.lambda_min);
+    return it->kappa * (visible_nm + (it->film->bins ? bins_nm : 0));
+}
+
+float roulette_value(const struct vertex *v, enum label label)
+{
+    static const float dye_per_nm = 0.01f;
+    return (v->surface.is_matte ? 1 : 10) / PI_F * (label == LABEL_FLUORESCENT ? dye_per_nm : 1);
+}
+
+void roulette_weigh(const struct integrator *it, struct worker *w)
+{
+    const struct subpath *paths[SIDES] = {[SIDE_LIGHT] = &w->light, [SIDE_CAMERA] = &w->camera};
+    for (int side = 0; side < SIDES; side++)
+        for (int i = 1; i < paths[side]->count; i++) {
+            const struct vertex *v = &paths[side]->vertex[i];
+            double sum = 0;
+            for (int k = 0; k < v->arrival.lanes; k++)
+                sum += v->arrival.throughput[k] *
+                       (side == SIDE_CAMERA ? (double)spectrum_pdf(it->wavelengths.camera, v->lambda_film[k])
+                                            : 1);
+            w->power[side][i] = (float)(sum / v->arrival.lanes) * roulette_value(v, LABEL_ELASTIC);
+        }
+}
