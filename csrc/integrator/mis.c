@@ -19,6 +19,7 @@ static void put_vertex(struct full_path *path, enum side side, int i, const stru
     struct full_step *step = &path->step[side == SIDE_LIGHT ? i : path->edges - i];
     step->label = v->label;
     step->disperses = v->disperses;
+    step->in_volume = v->in_volume;
     step->dye = v->kind == VERTEX_SURFACE && v->label == LABEL_FLUORESCENT
                     ? surface_fluorophore(&v->surface, v->lobe)
                     : -1;
@@ -61,6 +62,7 @@ static void put_end(struct full_path *path, const struct joint_end *end, enum si
     step->rev = side == SIDE_LIGHT ? other : own;
     step->label = end->as.label;
     step->disperses = end->disperses;
+    step->in_volume = end->vertex->in_volume;
     step->dye = end->vertex->kind == VERTEX_SURFACE && end->as.label == LABEL_FLUORESCENT
                     ? surface_fluorophore(&end->vertex->surface, end->as.lobe)
                     : -1;

@@ -26,6 +26,7 @@ struct full_path {
             against; /* densities of the edge's length in volumes, for the light's and the camera's step over it */
         float lambda;
         enum label label;
+        bool in_volume; /* it scatters inside of volumes */
         bool disperses; /* passed by a refraction whose direction depends on the wavelength */
         int dye; /* scene-wide index of the fluorophore, where label is FLUORESCENT and this is a surface */
     } step[FULL_PATH_VERTICES];

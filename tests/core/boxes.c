@@ -281,7 +281,45 @@ struct scene *hole_scene(struct range range, int pixels)
     return scene;
 }
 
-static struct scene *box_of(struct range range, struct closure *floor, bool lenses, bool ball, int pixels)
+/* Coefficients that rise (or fall) with the wavelength, per metre. */
+static struct volume *volume(struct range range, float scattering_blue, float scattering_red,
+                             float absorption_blue, float absorption_red, float g)
+{
+    const float lambda[2] = {range.min, range.max};
+    struct volume *v =
+        volume_create(spectrum_table(range, lambda, (float[2]){scattering_blue, scattering_red}, 2,
+                                     BEYOND_HOLD, "σs", NULL),
+                      spectrum_table(range, lambda, (float[2]){absorption_blue, absorption_red}, 2,
+                                     BEYOND_HOLD, "σa", NULL),
+                      g);
+    assert_true(v && volume_finish(v));
+    return v;
+}
+
+static struct closure *clear(void)
+{
+    return bsdf("transparent");
+}
+
+/* What fills a box of box_of. */
+enum filling { FILLED_NOT, FILLED_WITH_MIST, FILLED_GLASS };
+
+static void add_mist(struct scene *scene, struct range range)
+{
+    static const float around[3] = {0.3f, 0.2f, -0.3f};
+    struct world_input world = {.scale = 1, .volume = volume(range, 0.9f, 0.2f, 0.02f, 0.3f, 0.3f)};
+    stokes_error err;
+    world.emission = calloc(1, sizeof *world.emission);
+    world.emission->spectrum = spectrum_constant(range, 0);
+    world.emission->scale = 1;
+    expect(scene_set_world(scene, &world, &err), &err);
+    expect(scene_add_material_with(scene, "cloud", clear(), volume(range, 0.5f, 2.5f, 0.3f, 0, -0.4f), &err),
+           &err);
+    box_add_sphere(scene, "cloud", "cloud", around, 0.5f);
+}
+
+static struct scene *filled_box_of(struct range range, struct closure *floor, bool lenses, bool ball,
+                                   enum filling filling, int pixels)
 {
     static const float lamp[4][3] = {
         {-0.15f, -0.15f, 0.5f}, {-0.15f, 0.15f, 0.5f}, {0.15f, 0.15f, 0.5f}, {0.15f, -0.15f, 0.5f}};
@@ -289,7 +327,8 @@ static struct scene *box_of(struct range range, struct closure *floor, bool lens
     stokes_error err;
     expect(scene_add_material(scene, "grey", box_diffuse(range, 0.6f), &err), &err);
     expect(scene_add_material(scene, "dye", floor, &err), &err);
-    expect(scene_add_material(scene, "glass", box_glass(1.5, 20), &err), &err);
+    struct volume *inside = filling == FILLED_GLASS ? volume(range, 3, 1, 0.1f, 1, 0.2f) : NULL;
+    expect(scene_add_material_with(scene, "glass", box_glass(1.5, 20), inside, &err), &err);
     expect(scene_add_material(scene, "lamp", box_lamp(range, 0.1f), &err), &err);
     add_walls(scene);
     add_camera(scene, pixels);
@@ -300,8 +339,25 @@ static struct scene *box_of(struct range range, struct closure *floor, bool lens
                        lenses ? 0.35f : 0.4f);
     if (lenses)
         box_add_sphere(scene, "lens", "glass", (float[3]){0, -0.45f, 0}, 0.3f);
+    if (filling == FILLED_WITH_MIST)
+        add_mist(scene, range);
     commit(scene, range);
     return scene;
+}
+
+static struct scene *box_of(struct range range, struct closure *floor, bool lenses, bool ball, int pixels)
+{
+    return filled_box_of(range, floor, lenses, ball, FILLED_NOT, pixels);
+}
+
+struct scene *misty_box_scene(struct range range, int pixels)
+{
+    return filled_box_of(range, box_fluorescent(range, 0.8f, 0.8f), false, false, FILLED_WITH_MIST, pixels);
+}
+
+struct scene *bottle_box_scene(struct range range, int pixels)
+{
+    return filled_box_of(range, box_fluorescent(range, 0.8f, 0.8f), true, true, FILLED_GLASS, pixels);
 }
 
 struct scene *box_scene(struct range range, bool lenses, int pixels)

@@ -32,6 +32,12 @@ struct scene *box_scene(struct range, bool lenses, int pixels);
 /* A constant world; the left half of the picture is an object that holds out. Committed. */
 struct scene *hole_scene(struct range, int pixels);
 
+/* box_scene without glass, full of a mist that scatters blue light, camera and lamp inside of it; and in it a cloud without a surface that scatters red
+   light. Committed. */
+struct scene *misty_box_scene(struct range, int pixels);
+/* box_scene with lenses, the glass of which scatters and absorbs inside, around the lamp and before the camera. Committed. */
+struct scene *bottle_box_scene(struct range, int pixels);
+
 /* The same box, all grey and without glass: nothing in it depends on the wavelength. Committed. */
 struct scene *grey_box_scene(struct range, int pixels);
 
