@@ -132,6 +132,22 @@ def full_mesh():
     )
 
 
+SCATTER = {"volume": "scatter", "color": {"rgb": [0.8, 0.5, 0.2]}, "density": 3, "anisotropy": 0.4}
+VOLUMES = {
+    "scatter": SCATTER,
+    "absorption": {"volume": "absorption", "color": 0.5, "density": 2},
+    "principled": {"volume": "principled", "color": 0.5, "absorption_color": 0.2, "density": 1, "anisotropy": -0.4},
+    "coefficients": {"volume": "coefficients", "scattering": SPECTRA["table"], "absorption": 0.1, "anisotropy": 0.9},
+    "tree": {"mix": [{"add": [SCATTER, {"volume": "absorption"}]}, None], "factor": 0.25},
+}
+
+
+def filled(volume):
+    """The scene's material as a boundary that refracts nothing."""
+    surface = {"bsdf": "transparent", "color": 1}
+    return frames.frame("material", {"name": "material", "surface": surface, "volume": volume})
+
+
 def seeds():
     start = frames.hello() + frames.color()
     picture = start + frames.image()
@@ -205,6 +221,11 @@ def seeds():
         yield "emission_" + name, lit + frames.material({"emission": emission})
     for name, closure in CLOSURES.items():
         yield "closure_" + name, lit + frames.material(closure)
+    for name, volume in VOLUMES.items():
+        yield "volume_" + name, lit + filled(volume)
+    yield "volume_world", picture + frames.frame(
+        "world", {"kind": "constant", "emission": {"rgb": [1, 1, 1]}, "volume": VOLUMES["scatter"]}
+    )
 
 
 def main(folder, dictionary):

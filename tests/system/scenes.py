@@ -170,6 +170,56 @@ def furnace(path, material, light, **settings):
     return exact.furnace(material, values)
 
 
+def box_mesh(low, high):
+    """A cuboid that faces outward."""
+    positions, triangles = cube()
+    low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+    return low + (positions + 1) / 2 * (high - low), triangles[:, ::-1]
+
+
+def black_world(out, volume):
+    """No light from outside, and all of space full of a volume."""
+    out.send("world", kind="constant", emission={"shape": 1, "scale": 0, "unit": "per_nm"}, volume=volume)
+
+
+CLEAR = {"bsdf": "transparent", "color": 1}
+# Thin enough for short paths: blue light is scattered eight times as much as red.
+MIST = {
+    "volume": "coefficients",
+    "scattering": exact.Table([300, 420, 700, 830], [0.4, 0.4, 0.05, 0.05]).message(),
+    "anisotropy": 0.3,
+}
+
+
+def cloudy_furnace(path, material, light, mist=None, clouds=((0.1, 0.2, -0.5), (-0.1, 0.1, -0.4)), **settings):
+    """A furnace with two clouds, which overlap, of what scatters and does not absorb: radiance is that of the empty one."""
+    message, values = emission(light)
+    with stream.Recorder(path) as out:
+        out.send("settings", **dict(settings, max_path=28, max_camera=28, max_light=28))
+        out.send(
+            "material",
+            name="wall",
+            surface={"add": [material.message(), {"emission": message, "two_sided": False}]},
+        )
+        mesh(out, "box", *cube())
+        instance(out, "box", ["wall"])
+        if mist:
+            black_world(out, mist)
+        backward = {"volume": "scatter", "color": 1, "density": 0.5, "anisotropy": -0.4}
+        for name, centre, volume in zip(("first", "second"), clouds, (MIST, backward)):
+            out.send("material", name=name, surface=CLEAR, volume=volume)
+            mesh(out, name, *ball(2, 0.4, centre))
+            instance(out, name, [name])
+        camera(out, translation(0.1, 0.2, 0.3))
+        out.send("render", samples=[0, 16])
+    return exact.furnace(material, values)
+
+
+def misty_furnace(path, material, light, **settings):
+    """The same full of mist; and the camera is in one of the clouds."""
+    return cloudy_furnace(path, material, light, MIST, ((0.1, 0.2, 0.2), (0, 0.3, -0.2)), **settings)
+
+
 def sphere_with_patch(path, material, light, level=4, **settings):
     """A sphere whose cap behind the camera emits as well. Returns the walls' radiance on the grid."""
     positions, triangles = icosphere(level)
@@ -212,9 +262,10 @@ def sphere_with_lamp(path, material, light, level=4, radius=0.3, **settings):
 # --- A box with dispersion -----------------------------------------------------------------------------
 
 
-def box(path, resolution=(64, 48), border=None, specular=True, view="front", **settings):
+def box(path, resolution=(64, 48), border=None, specular=True, view="front", mist=False, **settings):
     """A box with a fluorescent wall, an area lamp, a dispersive glass ball and a metal one. `view` "wall" looks at the
-    fluorescent wall alone, so that no specular surface is seen; without `specular` both balls are diffuse."""
+    fluorescent wall alone, so that no specular surface is seen; without `specular` both balls are diffuse; with `mist` the box
+    and its glass are full of volumes."""
     message, _ = emission(LIGHTS["d65"], 10)
     white = exact.Material(exact.Table([300, 830], [0.6, 0.6]))
     glass = {"bsdf": "dielectric", "ior": {"n_d": 1.6, "abbe": 25}}
@@ -224,7 +275,11 @@ def box(path, resolution=(64, 48), border=None, specular=True, view="front", **s
         out.send("material", name="white", surface=white.message())
         out.send("material", name="red", surface=MATERIALS["elastic"].message())
         out.send("material", name="paint", surface=MATERIALS["fluorescent"].message())
-        out.send("material", name="glass", surface=glass if specular else MATERIALS["elastic"].message())
+        dim = {"volume": "principled", "color": {"rgb": [0.9, 0.5, 0.2]}, "density": 2, "anisotropy": -0.2}
+        inside = {"volume": dim} if mist else {}
+        out.send("material", name="glass", surface=glass if specular else MATERIALS["elastic"].message(), **inside)
+        if mist:
+            black_world(out, MIST)
         out.send("material", name="metal", surface=metal if specular else MATERIALS["fluorescent"].message())
         positions, triangles = cube()
         centre = positions[triangles].mean(axis=1)

@@ -23,6 +23,8 @@ CARRIES = 0.01
 
 SHAPES = {
     "furnace": scenes.furnace,
+    "misty_furnace": scenes.misty_furnace,
+    "cloudy_furnace": scenes.cloudy_furnace,
     "sphere_with_patch": scenes.sphere_with_patch,
     "sphere_with_lamp": scenes.sphere_with_lamp,
 }
@@ -115,6 +117,11 @@ CASES = [
     for light in PLACES
     for material in scenes.MATERIALS
 ] + [("sphere_with_lamp", "elastic", "d65", "pt_nee", 4)]
+# What scatters without loss changes nothing. `lt` has no finite variance where the camera itself is in the mist.
+CASES += [
+    ("cloudy_furnace" if integrator == "lt" else "misty_furnace", "elastic", "d65", integrator, 4)
+    for integrator in INTEGRATORS
+]
 
 LONG_CASES = [
     (shape, material, light, integrator, lanes_of(material, light))
