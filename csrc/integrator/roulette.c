@@ -33,6 +33,12 @@ double roulette_white(const struct integrator *it)
 float roulette_value(const struct vertex *v, enum label label)
 {
     static const float dye_per_nm = 0.01f;
+    if (v->in_volume) { /* four times what an even phase function sends everywhere */
+        float sigma = 0;
+        for (int i = 0; i < v->surface.lobe_count; i++)
+            sigma += v->surface.lobe[i].weight;
+        return sigma / PI_F;
+    }
     return (v->surface.is_matte ? 1 : 10) / PI_F * (label == LABEL_FLUORESCENT ? dye_per_nm : 1);
 }
 
