@@ -12,10 +12,10 @@
 int main(void)
 {
     static struct subject
-        mist_mbdpt = {"mbdpt", 1, false, false, 5, 28, KERNEL_CONSTANT, false, misty_box_scene, 0.04},
-        mist_mbdpt_4 = {"mbdpt", 4, false, false, 5, 12, KERNEL_CONSTANT, false, misty_box_scene, 0.04},
+        mist_mbdpt = {"mbdpt", 1, false, false, 4, 28, KERNEL_CONSTANT, false, misty_box_scene, 0.04},
+        mist_mbdpt_4 = {"mbdpt", 4, false, false, 4, 12, KERNEL_CONSTANT, false, misty_box_scene, 0.04},
         mist_bdpt = {"bdpt", 1, false, false, 5, 24, KERNEL_CONSTANT, false, misty_box_scene, 0.04},
-        mist_bdpt_4 = {"bdpt", 4, false, false, 5, 12, KERNEL_CONSTANT, false, misty_box_scene, 0.04},
+        mist_bdpt_4 = {"bdpt", 4, false, false, 4, 12, KERNEL_CONSTANT, false, misty_box_scene, 0.04},
         bottle_mbdpt_4 = {"mbdpt", 4, false, false, 5, 24, KERNEL_CONSTANT, false, bottle_box_scene, 0.06},
         bottle_bdpt = {"bdpt", 1, false, false, 5, 28, KERNEL_CONSTANT, false, bottle_box_scene, 0.06},
         bottle_bdpt_4 = {"bdpt", 4, false, false, 5, 24, KERNEL_CONSTANT, false, bottle_box_scene, 0.06};
