@@ -69,6 +69,7 @@ def _stokes(scene, case, seed, _brighter):
     scene.render.engine = 'STOKES'
     stokes = scene.stokes
     stokes.samples, stokes.seed, stokes.time_limit = case.stokes_samples, seed, 0.0
+    stokes.lanes = str(case.lanes)
     stokes.max_path = stokes.max_camera = stokes.max_light = BOUNCES + 2
     for kind in ("diffuse", "glossy", "transmission", "volume", "transparent"):
         setattr(stokes, "max_" + kind, BOUNCES)

@@ -92,25 +92,25 @@ def volume_milky_glass():
     world(1.0)
 
 
-@scene(samples=(512, 512), run="long")
+@scene(samples=(512, 512), size=(48, 48), run="long", lanes=4)
 def volume_world_with_spot():
-    """A beam of light in fog: what comes from the world itself never arrives."""
+    """A beam of light in fog: what comes from the world itself never arrives. The spot is small: Cycles' are disks."""
     link("Floor", plane("Floor", 8.0)).data.materials.append(diffuse(0.5))
     link("Box", box("Box"), (0.4, 0.3, 0.5), (0, 0, 30), (0.5, 0.5, 0.5)).data.materials.append(diffuse(0.6))
-    light('SPOT', 1500, (1.8, -1.2, 3.2), (0.0, 0.0, 0.2), shadow_soft_size=0.3, spot_size=0.7, spot_blend=0.3)
-    world(0.3)
+    light('SPOT', 1500, (1.8, -1.2, 3.2), (0.0, 0.0, 0.2), shadow_soft_size=0.1, spot_size=0.7, spot_blend=0.3)
+    world(0.03)
     fill_world(lambda tree: both(tree, scatter(tree, TEA, 0.08, 0.5), absorption(tree, 0.5, 0.06)))
     camera()
 
 
-@scene(samples=(256, 1024), run="long")
+@scene(samples=(512, 1024), size=(48, 48), run="long")
 def volume_camera_inside():
     """From within a room full of haze: the near clip must not matter, so it is next to nothing."""
     link("Floor", plane("Floor", 8.0)).data.materials.append(diffuse(0.5))
     link("Ball", sphere("Ball"), (-0.5, 0.3, 0.7), scale=(0.7, 0.7, 0.7)).data.materials.append(diffuse(0.7))
     room = link("Room", box("Room"), (0, -1.0, 2.51), scale=(3.5, 6.0, 2.5))
     room.data.materials.append(filled("Haze", lambda tree: both(
-        tree, scatter(tree, TEA, 0.25, 0.7), absorption(tree, 0.5, 0.1))))
+        tree, scatter(tree, TEA, 0.15, 0.7), absorption(tree, 0.5, 0.06))))
     light('AREA', 300, (1.5, -1.0, 3.5), shape='SQUARE', size=1.5)
     world(0.35)
     camera().data.clip_start = 0.001

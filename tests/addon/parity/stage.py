@@ -13,21 +13,23 @@ SCENES = {}
 
 
 class Scene:
-    """`samples` are those of one render by Cycles and by Stokes (two of each are made); `size` is in pixels."""
+    """`samples` are those of one render by Cycles and by Stokes (two of each are made), the latter of paths of so many
+    `lanes`; `size` is in pixels."""
 
-    def __init__(self, build, samples, size, run):
+    def __init__(self, build, samples, size, run, lanes):
         self.build = build
         self.name = build.__name__
         self.cycles_samples, self.stokes_samples = samples
         self.size = size
         self.run = run
+        self.lanes = lanes
 
 
-def scene(samples=(64, 256), size=(64, 64), run="normal"):
+def scene(samples=(64, 256), size=(64, 64), run="normal", lanes=1):
     """`run`: "always" (in each Blender), "every" (in each, all but the system's on demand), "normal" (in the system's)
     or "long" (in the system's, on demand)."""
     def register(build):
-        SCENES[build.__name__] = Scene(build, samples, size, run)
+        SCENES[build.__name__] = Scene(build, samples, size, run, lanes)
         return build
     return register
 
