@@ -1,10 +1,10 @@
 """The UFO scene (supplemental §4.2, figure 6): a room full of a homogeneous medium whose extinction
 and albedo depend on the wavelength, a saucer of silver with a dome of strongly dispersive glass and
-its lamp inside, and below it a fluorescent coral. The left and right wall glow as the right wall of
-the spheres scene does, the rest is grey.
+its lamp inside, and below it, in the saucer's beam, a fluorescent coral. The left and right wall glow
+as the right wall of the spheres scene does, the rest is grey.
 
 The medium is Blender's: Volume Scatter and Volume Absorption with spectra in their colours, on a
-box that fills the room. An engine without media shows the scene with clear air."""
+box that fills the room, camera and all."""
 
 import math
 import os
@@ -23,13 +23,13 @@ YIELD = 0.9
 DOME_IOR, DOME_ABBE = 1.3, 10.0
 SAUCER = (0.0, 0.5, 1.75)
 SAUCER_RADIUS, DOME_RADIUS = 0.85, 0.42
-LAMP_RADIUS, RADIANCE = 0.1, 160.0
-BEAM_RADIANCE = 30.0
+LAMP_RADIUS, RADIANCE = 0.15, 54.0
+BEAM_RADIUS, BEAM_RADIANCE, BEAM_ANGLE = 0.07, 1800.0, 64.0
 VIOLET = {"Mean": 400.0, "Sigma": 12.0, "Peak": 10.0}  # beside daylight; it excites the coral
 
 # The medium, 1/m: scattering is SCATTERING · a Gaussian, absorption ABSORPTION · (1 − a Gaussian).
-SCATTERING, SCATTERED = 0.16, {"Mean": 440.0, "Sigma": 130.0, "Peak": 1.0}
-ABSORPTION, PASSED = 0.10, {"Mean": 490.0, "Sigma": 90.0, "Peak": 1.0}
+SCATTERING, SCATTERED = 0.25, {"Mean": 440.0, "Sigma": 130.0, "Peak": 1.0}
+ABSORPTION, PASSED = 0.06, {"Mean": 490.0, "Sigma": 90.0, "Peak": 1.0}
 
 
 def fluorescent(nodes, name, paint):
@@ -121,20 +121,27 @@ def saucer(nodes):
         for a in (math.pi / 2 * i / steps for i in range(steps))
     ]
     lathe("Dome", dome + [(0.0, 0.02 + DOME_RADIUS)], glass, top)
-    dome_lamp(nodes).matrix_world = Matrix.Translation(
-        (top[0], top[1], top[2] + 0.45 * DOME_RADIUS)
-    )
+    lamp = ball_lamp(nodes, 'POINT', "Dome lamp", LAMP_RADIUS, RADIANCE)
+    lamp.matrix_world = Matrix.Translation((top[0], top[1], top[2] + 0.45 * DOME_RADIUS))
 
 
-def dome_lamp(nodes):
-    """A ball of light; its power is what gives RADIANCE (Cycles' ball lamp: P/(4π²r²))."""
-    data = build.bpy.data.lights.new("Dome lamp", 'POINT')
-    data.shadow_soft_size = LAMP_RADIUS
-    data.energy = RADIANCE * 4 * math.pi**2 * LAMP_RADIUS**2
+def ball_lamp(nodes, kind, name, radius, radiance):
+    """A ball of light; its power is what gives the radiance (Cycles' ball lamps: P/(4π²r²))."""
+    data = build.bpy.data.lights.new(name, kind)
+    data.shadow_soft_size = radius
+    data.energy = radiance * 4 * math.pi**2 * radius**2
     build.use_nodes(data)
-    shown = build.place("Dome lamp", data)
+    shown = build.place(name, data)
     build.shine(shown, daylight(nodes, data.node_tree))
     return shown
+
+
+def beam(nodes):
+    """From the belly straight down: the medium shows it."""
+    shown = ball_lamp(nodes, 'SPOT', "Beam", BEAM_RADIUS, BEAM_RADIANCE)
+    shown.data.spot_size, shown.data.spot_blend = math.radians(BEAM_ANGLE), 0.25
+    below = SAUCER[2] - 0.23 - BEAM_RADIUS
+    shown.matrix_world = Matrix.Translation((SAUCER[0], SAUCER[1], below))
 
 
 def daylight(nodes, tree):
@@ -188,7 +195,7 @@ def coral(surface):
 
     for k in range(5):
         around = 2.0 * math.pi * k / 5
-        lean = Vector((0.45 * math.cos(around), 0.45 * math.sin(around), 1.0)).normalized()
+        lean = Vector((0.32 * math.cos(around), 0.32 * math.sin(around), 1.0)).normalized()
         foot = Vector((0.12 * math.cos(around), 0.12 * math.sin(around), -0.02))
         grow(foot, lean, 0.27, 0.07, 4)
     build.mesh("Coral", points, faces, surface, smooth=True).matrix_world = Matrix.Translation(
@@ -208,9 +215,7 @@ def main():
     build.block("Medium", *inside, medium(nodes))
     saucer(nodes)
     coral(fluorescent(nodes, "Coral", CORAL))
-    belly = (SAUCER[0], SAUCER[1], SAUCER[2] - 0.23)
-    beam = build.area_lamp("Beam", belly, (0.3, 0.3), BEAM_RADIANCE)
-    build.shine(beam, daylight(nodes, beam.data.node_tree))
+    beam(nodes)
     build.camera((0.0, -2.9, 1.35), (0.0, 0.5, 1.3), 30.0)
     scene.view_settings.view_transform = 'Standard'
     build.render("ufo", options)

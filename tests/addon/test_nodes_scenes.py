@@ -12,6 +12,8 @@ from hosts import ROOT, oldest_and_newest
 sys.path.append(str(ROOT / "tests" / "system"))
 import exr  # noqa: E402
 
+from addon.core import stream  # noqa: E402
+
 CORE = ROOT / "build" / "stokes"
 SCENES = {
     "spheres": ("spheres", ()),
@@ -54,6 +56,29 @@ def test_a_scene_script_writes_its_picture_and_its_scene_file(host, tmp_path, sc
                           capture_output=True).stdout
     assert "Lamp" in info or "light" in info
     assert_same_picture(tmp_path / (name + ".exr"), tmp_path / (name + ".stokes"), tmp_path / "replayed.exr")
+
+
+@pytest.mark.parametrize("host", ["3.4"], indirect=True)
+def test_the_ufo_scene_is_full_of_the_medium_that_is_shown(host, tmp_path):
+    """Figure 6 of the supplemental is drawn from the script's constants; the stream has the same medium, and the coral in it."""
+    sys.path.append(str(ROOT / "tests" / "figures"))
+    from spectra import constants, gaussian, medium
+    nm = np.arange(300.0, 831.0)
+    subprocess.run(
+        [*host.command, str(ROOT / "test_scenes" / "ufo.py"), "--", "--output", str(tmp_path), "--resolution", "8", "6",
+         "--samples", "1", "--integrator", "pt_nee"],
+        env=dict(os.environ, STOKES_CORE=str(CORE)), timeout=100, check=True, cwd=tmp_path, stdout=subprocess.DEVNULL)
+    sent = {members["name"]: members for message, members, _ in stream.read(tmp_path / "ufo.stokes") if message == "material"}
+    scatter, absorption = sent["Medium"]["volume"]["add"]
+    assert (scatter["volume"], absorption["volume"]) == ("scatter", "absorption")
+    curves = [gaussian({name.capitalize(): value for name, value in part["color"]["gaussian"].items()}, nm)
+              for part in (scatter, absorption)]
+    scattering = scatter["density"] * curves[0]
+    extinction = scattering + absorption["density"] * (1 - curves[1])
+    assert extinction.min() > 0.05 and np.ptp(extinction) > 0.05
+    assert np.allclose(extinction, medium(nm)[0]) and np.allclose(scattering / extinction, medium(nm)[1])
+    assert constants("ufo")["CORAL"][1] in sent["Coral"]["surface"]["emission"]["library"]
+    assert sent["Coral"]["volume"] is None and sent["Medium"]["surface"]["bsdf"] == "transparent"
 
 
 def assert_same_picture(shown, scene, out):

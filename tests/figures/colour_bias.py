@@ -10,7 +10,7 @@ import kit
 import plots
 import spectra
 from plots import plt
-from shown_spectra import constants
+from spectra import constants
 
 LAMBDA = (380.0, 780.0)  # Λ of these scenes: light has no more than the eye sees, so that its ends show (§5.2)
 NM = np.arange(LAMBDA[0], LAMBDA[1], 0.5) + 0.25

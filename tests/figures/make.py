@@ -10,6 +10,7 @@ FIGURES = {  # module: what it draws
     "matrices": "figures 1 to 3: reradiation matrices under each kernel",
     "note": "the measured sticky note",
     "shown_spectra": "figures 4 to 6: the spectra used",
+    "ufo": "the UFO scene, full of its medium",
     "lens": "figure 7: the lens scene over samples",
     "colour_bias": "figures 8 to 13: colour bias of (2,2)-paths",
     "notebook": "the colour bias notebook, run headless",

@@ -1,29 +1,13 @@
 """Figures 4 to 6: the spectra of the test scenes, read from the scripts that build them."""
 
-import ast
-
 import numpy as np
 
-import kit
 import plots
 import spectra
 from plots import plt
+from spectra import constants, medium
 
 NM = np.arange(300.0, 831.0)
-
-
-def constants(script):
-    """The literals that test_scenes/SCRIPT.py gives names to."""
-    found = {}
-    for node in ast.parse((kit.ROOT / "test_scenes" / (script + ".py")).read_text()).body:
-        if isinstance(node, ast.Assign):
-            names = node.targets[0].elts if isinstance(node.targets[0], ast.Tuple) else node.targets[:1]
-            try:
-                value = ast.literal_eval(node.value)
-            except ValueError:
-                continue
-            found.update(zip((n.id for n in names), value if len(names) > 1 else [value]))
-    return found
 
 
 def figure_4():
@@ -63,21 +47,9 @@ def figure_5():
     plots.save(figure, "figure-05-spheres")
 
 
-def gaussian(members):
-    return members["Peak"] * np.exp(-0.5 * ((NM - members["Mean"]) / members["Sigma"]) ** 2)
-
-
-def medium():
-    """Extinction (1/m) and albedo of the UFO scene's medium."""
-    ufo = constants("ufo")
-    scattering = ufo["SCATTERING"] * gaussian(ufo["SCATTERED"])
-    extinction = scattering + ufo["ABSORPTION"] * (1 - gaussian(ufo["PASSED"]))
-    return extinction, scattering / extinction
-
-
 def figure_6():
     figure, axes = plt.subplots(1, 2, figsize=(9.5, 3.6))
-    extinction, albedo = medium()
+    extinction, albedo = medium(NM)
     axes[0].plot(NM, albedo, color=plots.EMISSION, label="albedo")
     plots.spectrum_axes(axes[0], "single-scattering albedo", 1)
     right = axes[0].twinx()

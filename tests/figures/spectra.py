@@ -1,6 +1,7 @@
 """Spectra for figures: the core's library, and upsampled colours [JH19], fitted here from the method's description to
-check the core's."""
+check the core's. And the spectra that the scripts of test_scenes name."""
 
+import ast
 import functools
 
 import numpy as np
@@ -80,3 +81,32 @@ def measured_reflectance(surface, folder, bins=(47, 360, 830), samples=256):
         nm, mean = kit.read_bins(picture)
         means.append(mean)
     return nm, means[1] / means[0]
+
+
+# --- Of test_scenes --------------------------------------------------------------------------------
+
+
+def constants(script):
+    """The literals that test_scenes/SCRIPT.py gives names to."""
+    found = {}
+    for node in ast.parse((kit.ROOT / "test_scenes" / (script + ".py")).read_text()).body:
+        if isinstance(node, ast.Assign):
+            names = node.targets[0].elts if isinstance(node.targets[0], ast.Tuple) else node.targets[:1]
+            try:
+                value = ast.literal_eval(node.value)
+            except ValueError:
+                continue
+            found.update(zip((n.id for n in names), value if len(names) > 1 else [value]))
+    return found
+
+
+def gaussian(members, nm):
+    return members["Peak"] * np.exp(-0.5 * ((nm - members["Mean"]) / members["Sigma"]) ** 2)
+
+
+def medium(nm):
+    """Extinction (1/m) and albedo of the UFO scene's medium."""
+    ufo = constants("ufo")
+    scattering = ufo["SCATTERING"] * gaussian(ufo["SCATTERED"], nm)
+    extinction = scattering + ufo["ABSORPTION"] * (1 - gaussian(ufo["PASSED"], nm))
+    return extinction, scattering / extinction
