@@ -351,21 +351,22 @@ static void shadow_rays_see_panes_from_their_own_direction(void **state)
 static void visibility_flags_hide_objects_from_their_kind_of_ray_alone(void **state)
 {
     (void)state;
-    static const uint32_t kinds[] = {RAY_CAMERA, RAY_DIFFUSE, RAY_GLOSSY, RAY_TRANSMISSION, RAY_SHADOW};
+    static const uint32_t kinds[] = {RAY_CAMERA,       RAY_DIFFUSE, RAY_GLOSSY,
+                                     RAY_TRANSMISSION, RAY_SHADOW,  RAY_VOLUME};
     struct vec3 pane[3] = {vec3(-3, -3, 0), vec3(3, -3, 0), vec3(0, 4, 0)};
-    for (int hidden = 0; hidden < 5; hidden++) {
+    for (int hidden = 0; hidden < 6; hidden++) {
         struct scene *scene = scene_create();
-        bool flags[5] = {true, true, true, true, true};
+        bool flags[6] = {true, true, true, true, true, true};
         flags[hidden] = false;
         scenes_mesh(scene, "pane", pane, 1);
         struct instances_input in = {.name = "pane",
                                      .mesh = "pane",
                                      .transforms = scenes_identity.m,
                                      .transform_count = 1,
-                                     .visible = {flags[0], flags[1], flags[2], flags[3], flags[4]}};
+                                     .visible = {flags[0], flags[1], flags[2], flags[3], flags[4], flags[5]}};
         assert_true(scene_add_instances(scene, &in, NULL));
         scenes_commit(scene);
-        for (int kind = 0; kind < 5; kind++) {
+        for (int kind = 0; kind < 6; kind++) {
             struct ray ray = {vec3(0, 0, 1), vec3(0, 0, -1), 0, INFINITY, kinds[kind]};
             struct hit hit;
             const struct material *material;

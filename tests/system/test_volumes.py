@@ -73,6 +73,26 @@ def test_glass_that_absorbs_inside_passes_a_geometric_series(core, tmp_path, int
     stats.assert_unbiased(integrator, found, wanted, 0.05)
 
 
+@pytest.mark.parametrize("volume", [{"volume": "absorption", "color": 0, "density": 1.5}, {"volume": "scatter", "color": 1, "density": 1.5}])
+def test_a_volume_before_the_void_covers_what_it_extinguishes(core, tmp_path, volume):
+    """Alpha is 1 − T where nothing else is."""
+    with stream.Recorder(tmp_path / "void.stokes") as out:
+        out.send("settings", film_transparent=True)
+        out.send("material", name="slab", surface=scenes.CLEAR, volume=volume)
+        scenes.mesh(out, "slab", *scenes.box_mesh((-1, -1, -1.5), (1, 1, -0.7)))
+        scenes.instance(out, "slab", ["slab"])
+        scenes.camera(out, scenes.IDENTITY, (8, 8), 1e-4)
+        out.send("render", samples=[0, 16])
+    alpha = core.batches(
+        tmp_path / "void.stokes", "pt", 32, 256, None, lambda picture: picture.channels["A"].mean(dtype=np.float64)
+    )
+    wanted = 1 - np.exp(-1.5 * 0.8)
+    if volume["volume"] == "absorption":  # no chance in it; rays leave surfaces by a bound of rounding errors
+        assert alpha == pytest.approx(wanted, rel=1e-5)
+    else:
+        stats.assert_unbiased("alpha", alpha, [wanted], 0.02)
+
+
 # --- Light scattered once -----------------------------------------------------------------------------------
 
 SCATTERING, ABSORPTION, ANISOTROPY = exact.Table([300, 830], [0.6, 0.2]), exact.Table([300, 830], [0.1, 0.5]), 0.5
