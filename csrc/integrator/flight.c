@@ -129,7 +129,7 @@ bool flight_settle(const struct integrator *it, const struct vertex *prev, struc
 {
     struct arrival *at = &next->arrival;
     const struct crossing *c = &next->inside.crossing;
-    double toll = 0;
+    double before = lanes_sum(at->throughput, it->lanes), mean = 0;
     struct length_density density =
         flight_density(it, prev, c, next->in_volume ? &next->inside.media : NULL, next->inside.odds);
     next->inside.flown = density.drawn;
@@ -140,9 +140,9 @@ bool flight_settle(const struct integrator *it, const struct vertex *prev, struc
     for (int i = 0; i < it->lanes; i++) {
         double left = crossing_transmittance(it->scene, c, at->lambda[i]) / next->inside.flown;
         at->throughput[i] *= left;
-        toll += left / it->lanes;
+        mean += left / it->lanes;
     }
-    next->inside.toll = (float)toll;
+    next->inside.toll = (float)(before > 0 ? lanes_sum(at->throughput, it->lanes) / before : mean);
     tally_cross(at, next->inside.ahead, next->inside.back, it->lanes);
     double sum = lanes_sum(at->throughput, at->lanes);
     return isfinite(sum) && (sum > 0 || it->exact);

@@ -64,6 +64,18 @@ uint32_t path_ray_kind(enum scatter_class depth_class)
                                            : RAY_TRANSMISSION;
 }
 
+/* What of the lanes' sum is left after the edge to a vertex and scattering there. Paths in volumes are long: by the mean of the lanes' own
+   shares, a lane that alone goes on would outgrow its chance at every event. */
+static float gained_in_volumes(const struct vertex *v, const double gain[LANES_MAX])
+{
+    const struct arrival *at = &v->arrival;
+    double before = lanes_sum(at->throughput, at->lanes), after = 0;
+    for (int i = 0; i < v->lanes_out; i++)
+        after += gain[i] * at->throughput[v->from[i]];
+    return v->inside.toll *
+           (float)(before > 0 ? after / before : lanes_sum(gain, v->lanes_out) / v->lanes_out);
+}
+
 /* Scatters at the last vertex and sets up the flight to the next one. False: absorbed, or lost at roulette. */
 static bool scatter(const struct integrator *it, struct worker *w, enum side side, struct subpath *path,
                     uint32_t dimension, struct flight *f)
@@ -86,8 +98,9 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     v->to_next = drawn.direction;
     v->disperses = drawn.disperses;
     if (path->count - 1 >= it->settings.roulette_start) {
-        float gained = (float)(lanes_sum(gain, v->lanes_out) / v->lanes_out);
-        float survival = clampf(it->has_volumes ? gained * v->inside.toll : gained, roulette_floor, 1);
+        float gained = it->has_volumes ? gained_in_volumes(v, gain)
+                                       : (float)(lanes_sum(gain, v->lanes_out) / v->lanes_out);
+        float survival = clampf(gained, roulette_floor, 1);
         if (random_at(w->random, dimension + STEP_ROULETTE) >= survival)
             return false;
         v->drawn *= survival;

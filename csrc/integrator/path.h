@@ -56,7 +56,7 @@ struct vertex_media {
         back;     /* nominal densities of that edge's length for a step from prev, and for one back to it */
     double flown; /* density with which it was really drawn */
     float odds[VOLUME_RATES]; /* of each rate to have drawn this run so far */
-    float toll;               /* what of the lanes' mean is left at its end, over `flown` */
+    float toll;               /* what of the lanes' sum is left at its end, over `flown` */
 };
 
 struct vertex {
