@@ -24,7 +24,7 @@ DOME_IOR, DOME_ABBE = 1.3, 10.0
 SAUCER = (0.0, 0.5, 1.75)
 SAUCER_RADIUS, DOME_RADIUS = 0.85, 0.42
 LAMP_RADIUS, RADIANCE = 0.15, 54.0
-BEAM_RADIUS, BEAM_RADIANCE, BEAM_ANGLE = 0.07, 1800.0, 64.0
+BEAM_RADIUS, BEAM_RADIANCE, BEAM_ANGLE = 0.07, 1500.0, 62.0
 VIOLET = {"Mean": 400.0, "Sigma": 12.0, "Peak": 10.0}  # beside daylight; it excites the coral
 
 # The medium, 1/m: scattering is SCATTERING · a Gaussian, absorption ABSORPTION · (1 − a Gaussian).
@@ -140,7 +140,7 @@ def beam(nodes):
     """From the belly straight down: the medium shows it."""
     shown = ball_lamp(nodes, 'SPOT', "Beam", BEAM_RADIUS, BEAM_RADIANCE)
     shown.data.spot_size, shown.data.spot_blend = math.radians(BEAM_ANGLE), 0.25
-    below = SAUCER[2] - 0.23 - BEAM_RADIUS
+    below = SAUCER[2] - 0.22  # a half of the ball looks out
     shown.matrix_world = Matrix.Translation((SAUCER[0], SAUCER[1], below))
 
 
