@@ -70,6 +70,12 @@ mix.inputs[0].default_value = 0.25
 tree.links.new(diffuse.outputs[0], mix.inputs[1])
 tree.links.new(clear.outputs[0], mix.inputs[2])
 finish(tree, mix)
+haze, tree = material("Haze")
+filling = tree.nodes.new("ShaderNodeVolumeScatter")
+filling.inputs["Density"].default_value, filling.inputs["Anisotropy"].default_value = 0.7, 0.4
+blue = nodes.new(tree, "spectrum_gaussian", sockets={"Mean": 450, "Sigma": 80, "Peak": 0.9})
+tree.links.new(blue.outputs[0], filling.inputs["Color"])
+tree.links.new(filling.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Volume"])
 
 floor = add_mesh("Floor", ((-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)))
 floor.data.materials.append(glow)
@@ -81,6 +87,9 @@ FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (
 block = add_mesh("Block", CUBE, FACES)
 block.location, block.rotation_euler = (-2, -1, 0.1), (0.1, 0.2, 0.3)
 block.data.materials.append(glass)
+fog = add_mesh("Fog", CUBE, FACES)
+fog.location, fog.scale = (0.8, -2.2, 0.05), (1.2, 1, 1.5)
+fog.data.materials.append(haze)
 for number in range(3):
     copy = add("Copy%d" % number, block.data, (number - 1, 1, 0.5))
     copy.scale = (0.5, 0.5, 0.5 + number / 4)

@@ -26,6 +26,11 @@ for kind in nodes.KINDS:
     made = nodes.new(tree, kind)
 paint = nodes.new(tree, "fluorescent", dye="rhodamine-6g_ethanol")
 tree.nodes.active = paint
+for owner, shader in ((tree, "ShaderNodeVolumeScatter"), (scene.world.node_tree, "ShaderNodeVolumeAbsorption")):
+    haze = nodes.new(owner, "spectrum_gaussian")
+    filling = owner.nodes.new(shader)
+    owner.links.new(haze.outputs[0], filling.inputs["Color"])
+    owner.links.new(filling.outputs[0], owner.get_output_node('CYCLES').inputs["Volume"])
 bpy.ops.stokes.check_scene()
 window = bpy.context.window_manager.windows[0]
 seen = []
@@ -262,5 +267,6 @@ tell([is_appended, *([entry[1] for entry in panel.layout.shown if entry[0] == na
 """, tmp_path)
     is_appended, menus, shaders, ours = offered
     assert is_appended and menus == ["STOKES_MT_add", "STOKES_MT_add_shader"]
-    assert {"ShaderNodeBsdfPrincipled", "ShaderNodeBsdfDiffuse", "ShaderNodeMixShader", "ShaderNodeEmission"} <= set(shaders)
+    assert {"ShaderNodeBsdfPrincipled", "ShaderNodeBsdfDiffuse", "ShaderNodeMixShader", "ShaderNodeEmission",
+            "ShaderNodeVolumeScatter", "ShaderNodeVolumeAbsorption"} <= set(shaders)
     assert {"fluorescent", "dispersive_glass", "conductor", "spectrum_file"} <= set(ours)

@@ -92,7 +92,7 @@ def volume_milky_glass():
     world(1.0)
 
 
-@scene(samples=(512, 512), size=(48, 48), run="long", lanes=4)
+@scene(samples=(512, 2048), size=(48, 48), run="long")
 def volume_world_with_spot():
     """A beam of light in fog: what comes from the world itself never arrives. The spot is small: Cycles' are disks."""
     link("Floor", plane("Floor", 8.0)).data.materials.append(diffuse(0.5))

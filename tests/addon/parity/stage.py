@@ -13,23 +13,23 @@ SCENES = {}
 
 
 class Scene:
-    """`samples` are those of one render by Cycles and by Stokes (two of each are made), the latter of paths of so many
-    `lanes`; `size` is in pixels."""
+    """`samples` are Cycles' of one render and Stokes' wavelengths a pixel (two renders of each are made); `size` is in
+    pixels. What only one Blender sees is rendered in bundles of four wavelengths: half the time, for the noise."""
 
-    def __init__(self, build, samples, size, run, lanes):
+    def __init__(self, build, samples, size, run):
         self.build = build
         self.name = build.__name__
-        self.cycles_samples, self.stokes_samples = samples
+        self.lanes = 1 if run in {"always", "every"} else 4
+        self.cycles_samples, self.stokes_samples = samples[0], samples[1] // self.lanes
         self.size = size
         self.run = run
-        self.lanes = lanes
 
 
-def scene(samples=(64, 256), size=(64, 64), run="normal", lanes=1):
+def scene(samples=(64, 256), size=(64, 64), run="normal"):
     """`run`: "always" (in each Blender), "every" (in each, all but the system's on demand), "normal" (in the system's)
     or "long" (in the system's, on demand)."""
     def register(build):
-        SCENES[build.__name__] = Scene(build, samples, size, run, lanes)
+        SCENES[build.__name__] = Scene(build, samples, size, run)
         return build
     return register
 
