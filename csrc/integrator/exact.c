@@ -249,6 +249,25 @@ static void draw_numbers(const struct worker *w, uint32_t dimension, int count, 
 
 static const struct group end_group = {0, 0, 1, 1, {LABEL_FLUORESCENT, 0}};
 
+/* Roulette on the same, before the camera's run is evaluated again. A light's emission over its density is that of all wavelengths
+   together. 1/(the chance that was), or 0. */
+static double light_survives(const struct integrator *it, struct worker *w, const struct subpath *light,
+                             int x, int source, int sink, struct sight *sight)
+{
+    const struct light_point *from = &light->vertex->light;
+    struct joint joint;
+    if (!joint_open(&joint, light->vertex, &w->camera.vertex[x], w->stamp, sight))
+        return 0;
+    float lambda = wavelengths_middle(&it->wavelengths, source, sink),
+          draw = path_light_draw(it, from, lambda);
+    float emitted = draw > 0 ? scene_light_emission(it->scene, from, joint.y_to_x, lambda) / draw : 0;
+    float per_nm = wavelengths_overlap(&it->wavelengths, source, sink);
+    return roulette(it, w,
+                    light->vertex->arrival.throughput[0] *
+                        (double)(emitted * per_nm * joint.geometry * w->power[SIDE_CAMERA][x]) *
+                        roulette_white(it));
+}
+
 /* One camera vertex with one label, from the light point `light`. */
 static void join_light(const struct integrator *it, struct worker *w, const struct subpath *light,
                        const struct group *g, int x, uint32_t dimension, struct sight *sight)
@@ -259,9 +278,11 @@ static void join_light(const struct integrator *it, struct worker *w, const stru
     if (g->dispersive <= x) {
         bundle_traced(it, &w->camera, g, &mu);
     } else {
-        if (!bundle_draw(it, w, light->vertex->arrival.origin, origin_of(it, SIDE_CAMERA, &w->camera, g),
-                         dimension, &mu))
+        int source = light->vertex->arrival.origin, sink = origin_of(it, SIDE_CAMERA, &w->camera, g);
+        double owed = light_survives(it, w, light, x, source, sink, sight);
+        if (!(owed > 0) || !bundle_draw(it, w, source, sink, dimension, &mu))
             return;
+        mu.owed = owed;
         if (g->as.label == LABEL_ELASTIC) {
             if (relight(it, w, SIDE_CAMERA, &w->camera, g->start, x, it->lanes, mu.lambda,
                         w->strand[SIDE_CAMERA]) < x)
@@ -428,9 +449,8 @@ void exact_connect_all(const struct integrator *it, struct worker *w)
     struct group of_light[GROUPS_MAX], of_camera[GROUPS_MAX];
     int lights = w->light.count > 0 ? list_groups(&w->light, of_light) : 0;
     int cameras = w->camera.count > 0 ? list_groups(&w->camera, of_camera) : 0;
+    roulette_weigh(it, w);
     connect_lights(it, w, of_camera, cameras);
-    if (it->meets)
-        roulette_weigh(it, w);
     for (int x = 0; it->meets && x < cameras; x++)
         for (int y = 0; y < lights; y++)
             join_groups(it, w, &of_light[y], &of_camera[x],

@@ -81,12 +81,8 @@ struct passing {
 
 static void tally_clear(struct tally *t, int lanes)
 {
-    size_t size = (size_t)lanes * sizeof t->closed[0];
-    memset(t->closed, 0, size);
-    memset(t->open, 0, size);
-    memset(t->near, 0, size);
-    memset(t->bent, 0, size);
-    memset(t->both, 0, size);
+    for (int i = 0; i < lanes; i++)
+        t->closed[i] = t->open[i] = t->near[i] = t->bent[i] = t->both[i] = 0;
 }
 
 /* The light itself: the cut s = 0, where the camera sub-path meets it. */

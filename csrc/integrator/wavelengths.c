@@ -77,14 +77,15 @@ static const struct spectrum *source_spectrum(const struct wavelengths *w, const
 }
 
 /* ∫ e ã = e ã/P at any one wavelength; at the product's median, which both have. */
-static float overlap_of(const struct spectral_histogram *product, const struct spectrum *source,
-                        const struct spectrum *sink)
+static void measure_product(struct wavelengths *w, size_t at, const struct spectrum *source,
+                            const struct spectrum *sink)
 {
     float pdf;
-    if (!product)
-        return 0;
-    float median = spectral_histogram_sample(product, 0.5f, &pdf);
-    return pdf > 0 ? spectrum_pdf(source, median) * spectrum_pdf(sink, median) / pdf : 0;
+    if (!w->product[at])
+        return;
+    w->middle[at] = spectral_histogram_sample(w->product[at], 0.5f, &pdf);
+    if (pdf > 0)
+        w->overlap[at] = spectrum_pdf(source, w->middle[at]) * spectrum_pdf(sink, w->middle[at]) / pdf;
 }
 
 static void fill_products(struct wavelengths *w, const struct scene *scene)
@@ -98,10 +99,9 @@ static void fill_products(struct wavelengths *w, const struct scene *scene)
             pairs ? NULL : spectral_histogram_create(taken, NULL, NULL, product_bin_nm);
         for (int source = 0; source < sources; source++) {
             const struct spectrum *given = source_spectrum(w, scene, source);
-            struct spectral_histogram *product =
-                pairs ? spectral_histogram_create(given, taken, NULL, product_bin_nm) : shared;
-            w->product[source * sinks + sink] = product;
-            w->overlap[source * sinks + sink] = overlap_of(product, given, taken);
+            size_t at = (size_t)(source * sinks + sink);
+            w->product[at] = pairs ? spectral_histogram_create(given, taken, NULL, product_bin_nm) : shared;
+            measure_product(w, at, given, taken);
         }
     }
 }
@@ -118,7 +118,8 @@ bool wavelengths_create(struct wavelengths *w, const struct integrator_settings 
     size_t pairs = (size_t)(w->shapes + w->fluorophores + 1) * (size_t)(w->fluorophores + 1);
     w->product = calloc(pairs, sizeof *w->product);
     w->overlap = calloc(pairs, sizeof *w->overlap);
-    if (!w->camera || !w->product || !w->overlap || !(spectrum_integral(w->camera) > 0)) {
+    w->middle = calloc(pairs, sizeof *w->middle);
+    if (!w->camera || !w->product || !w->overlap || !w->middle || !(spectrum_integral(w->camera) > 0)) {
         wavelengths_destroy(w);
         return fail(err, "settings", "lambda_min, lambda_max",
                     "the camera sees no wavelength between %g and %g nm", settings->lambda_min,
@@ -138,6 +139,7 @@ void wavelengths_destroy(struct wavelengths *w)
             spectral_histogram_destroy(w->product[i]);
     free(w->product);
     free(w->overlap);
+    free(w->middle);
     spectrum_destroy(w->camera);
     *w = (struct wavelengths){0};
 }

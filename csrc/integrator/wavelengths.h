@@ -12,6 +12,7 @@ struct wavelengths {
     int shapes, fluorophores;            /* spectral shapes of lights; many lights share one */
     struct spectral_histogram **product; /* (shapes + fluorophores) × (fluorophores + 1) */
     float *overlap;                      /* the same of ∫ e ã, both normalised, nm⁻¹; about */
+    float *middle;                       /* median of the product, nm */
 };
 
 bool wavelengths_create(struct wavelengths *, const struct integrator_settings *, const struct scene *,
@@ -38,6 +39,12 @@ static inline int wavelengths_dye(const struct wavelengths *w, enum side side, i
 static inline float wavelengths_overlap(const struct wavelengths *w, int source, int sink)
 {
     return w->overlap[source * (w->fluorophores + 1) + sink];
+}
+
+/* A wavelength that both have. */
+static inline float wavelengths_middle(const struct wavelengths *w, int source, int sink)
+{
+    return w->middle[source * (w->fluorophores + 1) + sink];
 }
 
 /* NULL where source and sink have no wavelength in common. */
