@@ -42,17 +42,30 @@ float roulette_value(const struct vertex *v, enum label label)
     return (v->surface.is_matte ? 1 : 10) / PI_F * (label == LABEL_FLUORESCENT ? dye_per_nm : 1);
 }
 
+/* What arrives at a vertex, on the camera's side as a share of what the pixel takes. */
+static double power_at(const struct integrator *it, const struct vertex *v, enum side side)
+{
+    double sum = 0;
+    for (int k = 0; k < v->arrival.lanes; k++)
+        sum += v->arrival.throughput[k] *
+               (side == SIDE_CAMERA ? (double)spectrum_pdf(it->wavelengths.camera, v->lambda_film[k]) : 1);
+    return sum / v->arrival.lanes;
+}
+
 void roulette_weigh(const struct integrator *it, struct worker *w)
 {
+    static const double least_albedo = 0.25;
     const struct subpath *paths[SIDES] = {[SIDE_LIGHT] = &w->light, [SIDE_CAMERA] = &w->camera};
-    for (int side = 0; side < SIDES; side++)
+    for (int side = 0; side < SIDES; side++) {
+        double power = 0;
         for (int i = 1; i < paths[side]->count; i++) {
             const struct vertex *v = &paths[side]->vertex[i];
-            double sum = 0;
-            for (int k = 0; k < v->arrival.lanes; k++)
-                sum += v->arrival.throughput[k] *
-                       (side == SIDE_CAMERA ? (double)spectrum_pdf(it->wavelengths.camera, v->lambda_film[k])
-                                            : 1);
-            w->power[side][i] = (float)(sum / v->arrival.lanes) * roulette_value(v, LABEL_ELASTIC);
+            if (!it->exact || v[-1].label == LABEL_FLUORESCENT)
+                power = 0;
+            else if (v[-1].label == LABEL_ELASTIC && v[-1].surface.is_matte)
+                power *= least_albedo / ((double)PI_F * v[-1].drawn);
+            power = fmax(power, power_at(it, v, (enum side)side));
+            w->power[side][i] = (float)power * roulette_value(v, LABEL_ELASTIC);
         }
+    }
 }

@@ -18,7 +18,8 @@ double roulette_white(const struct integrator *);
 float roulette_value(const struct vertex *, enum label);
 
 /* Sets worker->power of both sub-paths as they were traced: what arrives at a vertex, on the camera's side times p_cam of the
-   wavelength on the film (so that it is a share of what the pixel takes), times what may be sent on. */
+   wavelength on the film (so that it is a share of what the pixel takes), times what may be sent on. A run that may be evaluated
+   again is not taken for dark because its own wavelength was. */
 void roulette_weigh(const struct integrator *, struct worker *);
 
 #endif
