@@ -62,6 +62,15 @@ def test_what_absorbs_follows_beer_and_lambert(core, tmp_path, integrator, place
     stats.assert_unbiased("%s, %s" % (integrator, place), found, wanted, 0.1 if integrator == "lt" else 0.05)
 
 
+@pytest.mark.parametrize("integrator", ["pt", "mbdpt", "bdpt"])
+def test_without_bounces_in_volumes_scattering_only_takes_away(core, tmp_path, integrator):
+    mist = {"volume": "coefficients", "scattering": RAMP.message()}
+    values = before_a_wall(tmp_path / "slab.stokes", (-1.5, -0.7), mist, max_volume=0, d0=2, shrink=0)
+    wanted = exact.per_bin(values * np.exp(-RAMP.on_grid() * 0.8), BINS)
+    found = core.batches(tmp_path / "slab.stokes", integrator, 32, 600, BINS, bins_of, lanes=4)
+    stats.assert_unbiased(integrator, found, wanted, 0.1)
+
+
 @pytest.mark.parametrize("integrator", ["pt", "pt_nee", "mbdpt", "bdpt"])
 def test_glass_that_absorbs_inside_passes_a_geometric_series(core, tmp_path, integrator):
     """Across a smooth slab: each way through loses T, each end R, the camera's side is dark."""
