@@ -14,7 +14,9 @@
 /* --- A scene of boxes ------------------------------------------------------------------------------------------ */
 
 struct body {
-    const char *name;
+    const char *name, *material;
+    bool again;      /* another body has brought the material */
+    float sigma;     /* 0: no volume */
     float low, high; /* corners of a cube on the diagonal */
     bool mirrored, opaque;
 };
@@ -34,7 +36,7 @@ static struct volume *thin(float sigma)
     return v;
 }
 
-static void add_body(struct scene *scene, const struct body *body, float sigma)
+static void add_body(struct scene *scene, const struct body *body)
 {
     static const uint32_t triangles[36] = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
                                            2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
@@ -56,29 +58,32 @@ static void add_body(struct scene *scene, const struct body *body, float sigma)
                               .triangle_count = 12};
     struct instances_input in = {.name = body->name,
                                  .mesh = body->name,
-                                 .materials = &body->name,
+                                 .materials = &body->material,
                                  .material_count = 1,
                                  .transforms = transform,
                                  .transform_count = 1,
                                  .visible = scenes_visible};
     assert_true(scene_add_mesh(scene, &mesh, NULL));
-    assert_true(
-        scene_add_material_with(scene, body->name, surface_of(body), sigma > 0 ? thin(sigma) : NULL, NULL));
+    if (!body->again)
+        assert_true(scene_add_material_with(scene, body->material, surface_of(body),
+                                            body->sigma > 0 ? thin(body->sigma) : NULL, NULL));
     assert_true(scene_add_instances(scene, &in, NULL));
 }
 
-/* "a" from 0 to 4, "b" in its corner and beyond, "c" inside of both and mirrored, "wall" behind all. */
-static const struct body bodies[] = {{"a", 0, 4, false, false},
-                                     {"b", 3, 6, false, false},
-                                     {"c", 3.2f, 3.8f, true, false},
-                                     {"wall", 8, 9, false, true}};
-enum { BODIES = 3 };
+/* "a" from 0 to 4, "b" in its corner and beyond, "c" inside of both and mirrored, a second body of the first one's volume, "wall" behind all. */
+static const struct body bodies[] = {
+    {.name = "a", .material = "one", .sigma = 1, .low = 0, .high = 4},
+    {.name = "b", .material = "two", .sigma = 2, .low = 3, .high = 6},
+    {.name = "c", .material = "three", .sigma = 3, .low = 3.2f, .high = 3.8f, .mirrored = true},
+    {.name = "d", .material = "one", .again = true, .sigma = 1, .low = 2, .high = 5},
+    {.name = "wall", .material = "wall", .low = 8, .high = 9, .opaque = true}};
+enum { BODIES = 4 };
 
 static struct scene *boxes(bool world)
 {
     struct scene *scene = scene_create();
     for (int i = 0; i <= BODIES; i++)
-        add_body(scene, &bodies[i], i < BODIES ? (float)(i + 1) : 0);
+        add_body(scene, &bodies[i]);
     if (world) {
         struct world_input in = {.emission = calloc(1, sizeof *in.emission),
                                  .scale = 1,
@@ -135,7 +140,7 @@ static void a_point_is_in_the_bodies_around_it(void **state)
             struct media media = scene_media_at(scene, p, normalize(random_point(i + 1000)));
             double expected = world ? 0.5 : 0;
             for (int k = 0; k < BODIES; k++)
-                expected += is_in(&bodies[k], p) ? k + 1 : 0;
+                expected += is_in(&bodies[k], p) ? (double)bodies[k].sigma : 0;
             assert_float_equal(sigma_at(scene, &media), expected, 1e-5);
         }
         scene_destroy(scene);
@@ -154,7 +159,7 @@ static void a_shadow_ray_knows_what_it_crosses_of_each_volume(void **state)
         assert_float_equal(scene_visibility_through(scene, b, a, 500, &at_b, &back), 1, 0);
         double depth = 0.5 * (double)length(sub(b, a));
         for (int k = 0; k < BODIES; k++)
-            depth += (k + 1) * length_in(&bodies[k], a, b);
+            depth += (double)bodies[k].sigma * length_in(&bodies[k], a, b);
         assert_float_equal(crossing_depth(scene, &there, 0), depth, 1e-4);
         assert_float_equal(crossing_depth(scene, &back, 0), depth, 1e-4);
         assert_float_equal(crossing_transmittance(scene, &there, 500), exp(-depth), 1e-4);
@@ -179,7 +184,7 @@ static void nothing_arrives_from_infinity_through_a_world_that_extinguishes(void
         assert_float_equal(scene_visibility_distant_through(scene, from, d, 500, &media, &crossing), 1, 0);
         double depth = 0, left = crossing_transmittance(scene, &crossing, 500);
         for (int k = 0; k < BODIES; k++)
-            depth += (k + 1) * length_in(&bodies[k], from, along(from, d, 20));
+            depth += (double)bodies[k].sigma * length_in(&bodies[k], from, along(from, d, 20));
         assert_float_equal(left, world ? 0 : exp(-depth), 1e-5);
         double density[VOLUME_RATES];
         crossing_densities(scene, &crossing, NULL, density);

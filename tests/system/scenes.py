@@ -191,7 +191,14 @@ MIST = {
 }
 
 
-def cloudy_furnace(path, material, light, mist=None, clouds=((0.1, 0.2, -0.5), (-0.1, 0.1, -0.4)), **settings):
+CLOUD = {
+    "volume": "coefficients",
+    "scattering": exact.Table([300, 420, 700, 830], [5, 5, 0.5, 0.5]).message(),
+    "anisotropy": 0.3,
+}
+
+
+def cloudy_furnace(path, material, light, mist=None, cloud=MIST, clouds=((0.1, 0.2, -0.5), (-0.1, 0.1, -0.4)), **settings):
     """A furnace with two clouds, which overlap, of what scatters and does not absorb: radiance is that of the empty one."""
     message, values = emission(light)
     with stream.Recorder(path) as out:
@@ -206,7 +213,7 @@ def cloudy_furnace(path, material, light, mist=None, clouds=((0.1, 0.2, -0.5), (
         if mist:
             black_world(out, mist)
         backward = {"volume": "scatter", "color": 1, "density": 0.5, "anisotropy": -0.4}
-        for name, centre, volume in zip(("first", "second"), clouds, (MIST, backward)):
+        for name, centre, volume in zip(("first", "second"), clouds, (cloud, backward)):
             out.send("material", name=name, surface=CLEAR, volume=volume)
             mesh(out, name, *ball(2, 0.4, centre))
             instance(out, name, [name])
@@ -217,7 +224,12 @@ def cloudy_furnace(path, material, light, mist=None, clouds=((0.1, 0.2, -0.5), (
 
 def misty_furnace(path, material, light, **settings):
     """The same full of mist; and the camera is in one of the clouds."""
-    return cloudy_furnace(path, material, light, MIST, ((0.1, 0.2, 0.2), (0, 0.3, -0.2)), **settings)
+    return cloudy_furnace(path, material, light, MIST, MIST, ((0.1, 0.2, 0.2), (0, 0.3, -0.2)), **settings)
+
+
+def thick_furnace(path, material, light, **settings):
+    """The same where blue light is scattered several times and red light hardly ever."""
+    return cloudy_furnace(path, material, light, MIST, CLOUD, ((0.1, 0.2, 0.2), (0, 0.3, -0.2)), **settings)
 
 
 def sphere_with_patch(path, material, light, level=4, **settings):

@@ -25,6 +25,7 @@ SHAPES = {
     "furnace": scenes.furnace,
     "misty_furnace": scenes.misty_furnace,
     "cloudy_furnace": scenes.cloudy_furnace,
+    "thick_furnace": scenes.thick_furnace,
     "sphere_with_patch": scenes.sphere_with_patch,
     "sphere_with_lamp": scenes.sphere_with_lamp,
 }
@@ -119,7 +120,7 @@ CASES = [
 ] + [("sphere_with_lamp", "elastic", "d65", "pt_nee", 4)]
 # What scatters without loss changes nothing. `lt` has no finite variance where the camera itself is in the mist.
 CASES += [
-    ("cloudy_furnace" if integrator == "lt" else "misty_furnace", "elastic", "d65", integrator, 4)
+    ({"pt": "thick_furnace", "lt": "cloudy_furnace"}.get(integrator, "misty_furnace"), "elastic", "d65", integrator, 4)
     for integrator in INTEGRATORS
 ]
 
