@@ -14,7 +14,7 @@ def point_hard():
     light('POINT', 150, shadow_soft_size=0.0)
 
 
-@scene(samples=(96, 1536), run="every")
+@scene(samples=(96, 768), run="every")
 def point_soft():
     still_life()
     light('POINT', 150, shadow_soft_size=0.25)
@@ -26,7 +26,7 @@ def spot_hard():
     light('SPOT', 600, shadow_soft_size=0.0, spot_size=0.9, spot_blend=0.2)
 
 
-@scene(samples=(64, 1024), run="every")
+@scene(samples=(64, 640), run="every")
 def spot_soft():
     still_life()
     light('SPOT', 600, shadow_soft_size=0.15, spot_size=1.0, spot_blend=0.6)

@@ -14,12 +14,12 @@ SCENES = {}
 
 class Scene:
     """`samples` are Cycles' of one render and Stokes' wavelengths a pixel (two renders of each are made); `size` is in
-    pixels. What only one Blender sees is rendered in bundles of four wavelengths: half the time, for the noise."""
+    pixels. All but what every Blender sees is rendered in bundles of four wavelengths: half the time, for the noise."""
 
     def __init__(self, build, samples, size, run):
         self.build = build
         self.name = build.__name__
-        self.lanes = 1 if run in {"always", "every"} else 4
+        self.lanes = 1 if run == "always" else 4
         self.cycles_samples, self.stokes_samples = samples[0], samples[1] // self.lanes
         self.size = size
         self.run = run
