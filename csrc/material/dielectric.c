@@ -172,7 +172,8 @@ static float rough_evaluate(const struct lobe *lobe, struct vec3 to_light, struc
     return transmitted(lobe, f.fresnel, n, lambda) * common * f.cos_a * f.cos_b * square(f.n_b / length);
 }
 
-static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
+/* Density by visible normals. */
+static float facet_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
                        float lambda)
 {
     struct facet f;
@@ -189,7 +190,7 @@ static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arri
     return visible * (1 - chance) * f.cos_a * f.cos_b * square(f.n_b / length);
 }
 
-static bool rough_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
+static bool facet_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
                          const float u[3], struct vec3 *leaving)
 {
     bool back = arriving.z < 0;
@@ -206,9 +207,44 @@ static bool rough_sample(const struct lobe *lobe, enum side side, struct vec3 ar
     return reflects ? b.z > 0 : b.z < 0;
 }
 
+/* --- Broad ----------------------------------------------------------------------------------------------- */
+
+/* From this roughness on a refraction's directions depend so little on the wavelength that a run through it is evaluated again at others
+   (algorithm.md §9). With the most dispersive of glasses that pays from 0.15 on; at 0.1 single wavelengths become noisier. */
+#define BROAD_ROUGHNESS 0.25f
+
+/* Where one wavelength's refraction cannot go, another's may. So this share goes anywhere across the surface. */
+#define ANYWHERE 0.1f
+
+static bool is_broad(const struct lobe *lobe)
+{
+    return ((const struct dielectric *)lobe->data)->disperses && branches(lobe) != BRANCHES_REFLECT &&
+           lobe->parameter[ROUGHNESS] >= BROAD_ROUGHNESS;
+}
+
+static float rough_pdf(const struct lobe *lobe, enum side side, struct vec3 arriving, struct vec3 leaving,
+                       float lambda)
+{
+    float pdf = facet_pdf(lobe, side, arriving, leaving, lambda);
+    if (!is_broad(lobe))
+        return pdf;
+    return (1 - ANYWHERE) * pdf + (arriving.z * leaving.z < 0 ? ANYWHERE * fabsf(leaving.z) / PI_F : 0);
+}
+
+static bool rough_sample(const struct lobe *lobe, enum side side, struct vec3 arriving, float lambda,
+                         const float u[3], struct vec3 *leaving)
+{
+    if (!is_broad(lobe))
+        return facet_sample(lobe, side, arriving, lambda, u, leaving);
+    if (u[2] < ANYWHERE)
+        return diffuse_sample(lobe, side, negate(arriving), lambda, u, leaving);
+    const float rest[3] = {u[0], u[1], (u[2] - ANYWHERE) / (1 - ANYWHERE)};
+    return facet_sample(lobe, side, arriving, lambda, rest, leaving);
+}
+
 static bool rough_disperses(const struct lobe *lobe)
 {
-    return ((const struct dielectric *)lobe->data)->disperses;
+    return ((const struct dielectric *)lobe->data)->disperses && !is_broad(lobe);
 }
 
 /* --- Kinds ----------------------------------------------------------------------------------------------- */

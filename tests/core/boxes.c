@@ -71,15 +71,20 @@ struct closure *box_diffuse(struct range range, float reflectance)
     return c;
 }
 
+static void set_value(struct closure *c, const char *name, float constant)
+{
+    struct value_node *value = calloc(1, sizeof *value);
+    value->constant = constant;
+    c->value[place(c, name)] = value;
+}
+
 struct closure *box_fluorescent(struct range range, float concentration, float energy_yield)
 {
     struct closure *c = bsdf("fluorescent");
-    struct value_node *value = calloc(1, sizeof *value);
-    value->constant = concentration;
     c->color[place(c, "reflectance")] = flat(range, 0.7f);
     c->color[place(c, "absorption")] = bell(range, 450, 60, 0.9);
     c->color[place(c, "emission")] = bell(range, 590, 30, 1);
-    c->value[place(c, "concentration")] = value;
+    set_value(c, "concentration", concentration);
     c->number[place(c, "yield")] = energy_yield;
     const struct bsdf_signature *signature = bsdf_kind_signature(c->bsdf);
     int kind = place(c, "yield_kind");
@@ -302,7 +307,7 @@ static struct closure *clear(void)
 }
 
 /* What fills a box of box_of. */
-enum filling { FILLED_NOT, FILLED_WITH_MIST, FILLED_GLASS };
+enum filling { FILLED_NOT, FILLED_WITH_MIST, FILLED_GLASS, FROSTED };
 
 static void add_mist(struct scene *scene, struct range range)
 {
@@ -328,7 +333,10 @@ static struct scene *filled_box_of(struct range range, struct closure *floor, bo
     expect(scene_add_material(scene, "grey", box_diffuse(range, 0.6f), &err), &err);
     expect(scene_add_material(scene, "dye", floor, &err), &err);
     struct volume *inside = filling == FILLED_GLASS ? volume(range, 3, 1, 0.1f, 1, 0.2f) : NULL;
-    expect(scene_add_material_with(scene, "glass", box_glass(1.5, 20), inside, &err), &err);
+    struct closure *glass = box_glass(1.5, 20);
+    if (filling == FROSTED)
+        set_value(glass, "roughness", 0.4f);
+    expect(scene_add_material_with(scene, "glass", glass, inside, &err), &err);
     expect(scene_add_material(scene, "lamp", box_lamp(range, 0.1f), &err), &err);
     add_walls(scene);
     add_camera(scene, pixels);
@@ -358,6 +366,11 @@ struct scene *misty_box_scene(struct range range, int pixels)
 struct scene *bottle_box_scene(struct range range, int pixels)
 {
     return filled_box_of(range, box_fluorescent(range, 0.8f, 0.8f), true, true, FILLED_GLASS, pixels);
+}
+
+struct scene *frosted_box_scene(struct range range, int pixels)
+{
+    return filled_box_of(range, box_fluorescent(range, 0.8f, 0.8f), false, true, FROSTED, pixels);
 }
 
 struct scene *box_scene(struct range range, bool lenses, int pixels)

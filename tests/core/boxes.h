@@ -38,6 +38,9 @@ struct scene *misty_box_scene(struct range, int pixels);
 /* box_scene with lenses, the glass of which scatters and absorbs inside, around the lamp and before the camera. Committed. */
 struct scene *bottle_box_scene(struct range, int pixels);
 
+/* box_scene without lenses, its ball of frosted glass: rough enough for runs through it to be evaluated again. Committed. */
+struct scene *frosted_box_scene(struct range, int pixels);
+
 /* The same box, all grey and without glass: nothing in it depends on the wavelength. Committed. */
 struct scene *grey_box_scene(struct range, int pixels);
 
