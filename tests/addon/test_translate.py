@@ -466,7 +466,7 @@ told.append(context.warnings)
 tell(told)
 """)
     assert found[0] == {"kind": "constant", "emission": {"rgb": [0, 0, 0], "scale": 1}}
-    assert found[1] == {"kind": "constant", "emission": {"rgb": [0.5, 0.25, 1], "scale": 2}}
+    assert found[1] == {"kind": "constant", "emission": {"rgb": [0.5, 0.25, 1], "scale": 2}, "volume": None}
     assert found[2]["kind"] == "image" and found[2]["image"] == "Sky" and found[2]["scale"] == 2
     assert found[2]["transform"] == pytest.approx([0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0], abs=1e-6)
     assert found[3] == []
@@ -489,7 +489,7 @@ link(image, socket(lights, "Color"), sky)
 told.append(translation.world(world, context))
 tell(told)
 """)
-    assert found[0] == {"kind": "constant", "emission": {"rgb": [1, 0.5, 0.25], "scale": 1}}
+    assert found[0] == {"kind": "constant", "emission": {"rgb": [1, 0.5, 0.25], "scale": 1}, "volume": None}
     assert found[1] == ["Light Path"]
     assert found[2]["emission"]["rgb"] == [0.5, 0.5, 0.5]
 
