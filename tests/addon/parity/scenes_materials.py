@@ -105,7 +105,7 @@ def glossy_mirror():
     show(lambda tree: tree.node(GLOSSY, {"distribution": 'GGX'}, Color=PALE, Roughness=0.0), diffuse(0.5))
 
 
-@scene(samples=(128, 1024), run="every")
+@scene(samples=(128, 1600), run="every")
 def glass_smooth():
     show(lambda tree: tree.node("ShaderNodeBsdfGlass", {"distribution": 'GGX'}, Roughness=0.0, IOR=1.5), diffuse(0.5))
 
