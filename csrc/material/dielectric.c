@@ -210,7 +210,7 @@ static bool facet_sample(const struct lobe *lobe, enum side side, struct vec3 ar
 /* --- Broad ----------------------------------------------------------------------------------------------- */
 
 /* From this roughness on a refraction's directions depend so little on the wavelength that a run through it is evaluated again at others
-   (algorithm.md §9). With the most dispersive of glasses that pays from 0.15 on; at 0.1 single wavelengths become noisier. */
+   (algorithm.md §9). With the most dispersive of glasses that pays at 0.2; at 0.1 single wavelengths become noisier. */
 #define BROAD_ROUGHNESS 0.25f
 
 /* Where one wavelength's refraction cannot go, another's may. So this share goes anywhere across the surface. */

@@ -245,7 +245,6 @@ struct accel_hit {
 };
 bool accel_intersect(const struct scene *, const struct ray *, struct accel_hit *);
 /* `boundaries` (may be NULL) is told of each volume that the ray enters or leaves, at distances in metres. */
-struct boundaries;
 float accel_transmittance(const struct scene *, struct vec3 origin, struct vec3 direction, float far,
                           float lambda, struct boundaries *);
 /* All boundaries of volumes along an endless ray, whatever else is in its way. */
