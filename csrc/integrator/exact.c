@@ -2,110 +2,9 @@
    again; then every pair of them connects at the price of an ordinary connection. */
 #include "integrator/exact.h"
 
-#include <string.h>
-
-#include "integrator/joint.h"
 #include "integrator/link.h"
-#include "integrator/relight.h"
 #include "integrator/roulette.h"
-#include "integrator/tally.h"
-
-/* Ends that share a run: either one vertex as an F end (its run begins there, with nothing in between), or the E ends of a run in the order
-   in which they were traced, from `first` on; those from `dispersive` on lie behind a dispersive refraction. */
-struct group {
-    int start;
-    int first, dispersive, end; /* vertices [first, dispersive) and [dispersive, end) */
-    struct choice as;
-};
-enum { GROUPS_MAX = PATH_VERTICES * CHOICES_MAX };
-
-/* Part of a group with what it needs to connect. */
-struct taps {
-    const struct subpath *path;
-    const struct group *group;
-    int first, end;
-    const struct strand *strand; /* NULL: as traced */
-};
-
-static struct group elastic_group(const struct subpath *path, int start)
-{
-    struct group g = {.start = start, .first = start + 1, .end = start + 1, .as = {LABEL_ELASTIC, 0}};
-    while (g.end < path->count && (g.end == start + 1 || path->vertex[g.end - 1].label != LABEL_FLUORESCENT))
-        g.end++;
-    g.dispersive = g.first;
-    while (g.dispersive < g.end && !path->vertex[g.dispersive].arrival.disperses)
-        g.dispersive++;
-    return g;
-}
-
-static int list_groups(const struct subpath *path, struct group out[GROUPS_MAX])
-{
-    int count = 0;
-    for (int i = 0; i < path->count; i++) {
-        const struct vertex *v = &path->vertex[i];
-        if (i + 1 < path->count && v->label == LABEL_FLUORESCENT)
-            out[count++] = elastic_group(path, i);
-        for (int f = 0; i > 0 && f < v->surface.fluorescent_count; f++)
-            out[count++] = (struct group){i, i, i + 1, i + 1, {LABEL_FLUORESCENT, f}};
-    }
-    return count;
-}
-
-/* The source or sink of wavelengths.h that a group's run begins at. */
-static int origin_of(const struct integrator *it, enum side side, const struct subpath *path,
-                     const struct group *g)
-{
-    const struct vertex *v = &path->vertex[g->start];
-    if (g->as.label == LABEL_FLUORESCENT && v->kind == VERTEX_SURFACE)
-        return wavelengths_dye(&it->wavelengths, side, surface_fluorophore(&v->surface, g->as.lobe));
-    return g->as.label == LABEL_FLUORESCENT ? v->arrival.origin : path->vertex[g->first].arrival.origin;
-}
-
-/* --- One connection ------------------------------------------------------------------------------------------ */
-
-static bool can_end(const struct vertex *v, struct choice as)
-{
-    return v->kind != VERTEX_SURFACE || as.label == LABEL_FLUORESCENT || v->surface.has_elastic;
-}
-
-/* The bundle of wavelengths of a connecting run. */
-struct bundle {
-    int lanes;
-    float lambda[LANES_MAX];
-    double drawn[LANES_MAX];
-    const double *density; /* drawn, or NULL for what a sub-path's own steps have paid already */
-    double owed;           /* 1/(chance that roulette left the run) */
-};
-
-/* Wavelengths on the film of paths whose connecting run has the bundle. */
-static const float *film_lambda(const struct taps *camera, int x, const struct bundle *mu)
-{
-    if (camera->group->start == 0)
-        return mu->lambda;
-    return camera->path->vertex[camera->strand ? camera->strand->start : x].lambda_film;
-}
-
-/* y and x joined at mu. Both may be looked at before: then `sight` knows. */
-static void join(const struct integrator *it, struct worker *w, struct joint *joint, const struct taps *light,
-                 int y, const struct taps *camera, int x, const struct bundle *mu, struct sight *sight,
-                 const int *splat)
-{
-    if (!joint_open(joint, &light->path->vertex[y], &camera->path->vertex[x], w->stamp, sight))
-        return;
-    joint_set_end(joint, SIDE_LIGHT, light->path, y, light->strand, light->group->as);
-    joint_set_end(joint, SIDE_CAMERA, camera->path, x, camera->strand, camera->group->as);
-    if (!joint_is_allowed(it, joint))
-        return;
-    int lanes_y = joint->end[SIDE_LIGHT].at->lanes, lanes_x = joint->end[SIDE_CAMERA].at->lanes;
-    joint->lanes = lanes_y > lanes_x ? lanes_y : lanes_x;
-    if (mu->lanes > joint->lanes)
-        joint->lanes = mu->lanes;
-    memcpy(joint->lambda, mu->lambda, sizeof joint->lambda);
-    joint->owed = mu->owed;
-    const float *film = film_lambda(camera, x, mu);
-    if (joint_evaluate(it, w, joint, mu->density, film))
-        joint_contribute(it, w, joint, mu->density, film, splat);
-}
+#include "integrator/runs.h"
 
 static void join_taps(const struct integrator *it, struct worker *w, const struct taps *light,
                       const struct taps *camera, const struct bundle *mu)
@@ -113,63 +12,21 @@ static void join_taps(const struct integrator *it, struct worker *w, const struc
     struct joint joint;
     bool copied = light->path == &w->copy;
     for (int y = light->first; y < light->end; y++) {
-        if (!can_end(&light->path->vertex[y], light->group->as))
+        if (!runs_can_end(&light->path->vertex[y], light->group->as))
             continue;
         for (int x = camera->first; x < camera->end; x++) {
             struct haze haze;
             struct sight seen_once = {.haze = &haze};
             if (!it->settings.technique[y + 1][x + 1] ||
-                !can_end(&camera->path->vertex[x], camera->group->as))
+                !runs_can_end(&camera->path->vertex[x], camera->group->as))
                 continue;
-            join(it, w, &joint, light, y, camera, x, mu,
-                 copied ? &seen_once : &w->sight[y * PATH_VERTICES + x], NULL);
+            runs_join(it, w, &joint, light, y, camera, x, mu,
+                      copied ? &seen_once : &w->sight[y * PATH_VERTICES + x], NULL);
         }
     }
 }
 
 /* --- Runs against runs: the rows of the table ------------------------------------------------------------------ */
-
-/* The non-dispersive part of a group at mu. False if there is none, or nothing of its wavelengths arrives. */
-static bool plain_taps(const struct integrator *it, struct worker *w, enum side side,
-                       const struct subpath *path, const struct group *g, const struct bundle *mu,
-                       struct taps *taps)
-{
-    *taps = (struct taps){path, g, g->first, g->dispersive, NULL};
-    if (g->first == g->dispersive)
-        return false;
-    if (g->as.label == LABEL_FLUORESCENT)
-        return true;
-    taps->strand = w->strand[side];
-    int before = path->vertex[g->start].arrival.lanes, lanes = mu->lanes > before ? mu->lanes : before;
-    taps->end =
-        relight(it, w, side, path, g->start, g->dispersive - 1, lanes, mu->lambda, w->strand[side]) + 1;
-    return taps->end > taps->first;
-}
-
-static struct taps dispersive_taps(const struct subpath *path, const struct group *g)
-{
-    return (struct taps){path, g, g->dispersive, g->end, NULL};
-}
-
-static bool bundle_draw(const struct integrator *it, const struct worker *w, int source, int sink,
-                        uint32_t dimension, struct bundle *mu)
-{
-    mu->lanes = it->lanes;
-    mu->density = mu->drawn;
-    mu->owed = 1;
-    return draw_product(it, w, source, sink, dimension, it->lanes, mu->lambda, mu->drawn);
-}
-
-/* The one wavelength that is left behind a dispersive refraction. */
-static void bundle_traced(const struct integrator *it, const struct subpath *path, const struct group *g,
-                          struct bundle *mu)
-{
-    mu->lanes = 1;
-    mu->density = NULL;
-    mu->owed = 1;
-    for (int i = 0; i < it->lanes; i++)
-        mu->lambda[i] = path->vertex[g->dispersive].arrival.lambda[0];
-}
 
 /* Parts of two groups, vertices [y, y_end) and [x, x_end), that may be connected. */
 struct meeting {
@@ -188,8 +45,8 @@ static double meeting_survives(const struct integrator *it, struct worker *w, co
         for (int x = m->x; x < m->x_end; x++) {
             const struct vertex *v = &w->light.vertex[y], *u = &w->camera.vertex[x];
             struct joint joint;
-            if (!it->settings.technique[y + 1][x + 1] || !can_end(v, m->light->as) ||
-                !can_end(u, m->camera->as) ||
+            if (!it->settings.technique[y + 1][x + 1] || !runs_can_end(v, m->light->as) ||
+                !runs_can_end(u, m->camera->as) ||
                 !joint_open(&joint, v, u, w->stamp, &w->sight[y * PATH_VERTICES + x]))
                 continue;
             any = true;
@@ -201,18 +58,18 @@ static double meeting_survives(const struct integrator *it, struct worker *w, co
 static void join_groups(const struct integrator *it, struct worker *w, const struct group *light,
                         const struct group *camera, uint32_t dimension)
 {
-    int source = origin_of(it, SIDE_LIGHT, &w->light, light),
-        sink = origin_of(it, SIDE_CAMERA, &w->camera, camera);
+    int source = runs_origin(it, SIDE_LIGHT, &w->light, light),
+        sink = runs_origin(it, SIDE_CAMERA, &w->camera, camera);
     struct taps y, x;
     struct bundle mu;
     double owed = meeting_survives(
         it, w,
         &(struct meeting){light, camera, light->first, light->dispersive, camera->first, camera->dispersive},
         wavelengths_overlap(&it->wavelengths, source, sink));
-    if (owed > 0 && bundle_draw(it, w, source, sink, dimension, &mu)) {
+    if (owed > 0 && runs_draw(it, w, source, sink, dimension, &mu)) {
         mu.owed = owed;
-        if (plain_taps(it, w, SIDE_LIGHT, &w->light, light, &mu, &y) &&
-            plain_taps(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
+        if (runs_plain(it, w, SIDE_LIGHT, &w->light, light, &mu, &y) &&
+            runs_plain(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
             join_taps(it, w, &y, &x, &mu);
     }
     owed = meeting_survives(
@@ -220,10 +77,10 @@ static void join_groups(const struct integrator *it, struct worker *w, const str
         &(struct meeting){light, camera, light->first, light->dispersive, camera->dispersive, camera->end},
         w->light.vertex[light->first].arrival.draw[0]);
     if (owed > 0) { /* the camera's own wavelength */
-        bundle_traced(it, &w->camera, camera, &mu);
+        runs_as_traced(it, &w->camera, camera, &mu);
         mu.owed = owed;
-        x = dispersive_taps(&w->camera, camera);
-        if (plain_taps(it, w, SIDE_LIGHT, &w->light, light, &mu, &y))
+        x = runs_dispersive(&w->camera, camera);
+        if (runs_plain(it, w, SIDE_LIGHT, &w->light, light, &mu, &y))
             join_taps(it, w, &y, &x, &mu);
     }
     owed = meeting_survives(
@@ -231,10 +88,10 @@ static void join_groups(const struct integrator *it, struct worker *w, const str
         &(struct meeting){light, camera, light->dispersive, light->end, camera->first, camera->dispersive},
         w->camera.vertex[camera->first].arrival.draw[0]);
     if (owed > 0) { /* the light's own */
-        bundle_traced(it, &w->light, light, &mu);
+        runs_as_traced(it, &w->light, light, &mu);
         mu.owed = owed;
-        y = dispersive_taps(&w->light, light);
-        if (plain_taps(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
+        y = runs_dispersive(&w->light, light);
+        if (runs_plain(it, w, SIDE_CAMERA, &w->camera, camera, &mu, &x))
             join_taps(it, w, &y, &x, &mu);
     }
 }
@@ -276,11 +133,11 @@ static void join_light(const struct integrator *it, struct worker *w, const stru
     struct joint joint;
     struct bundle mu;
     if (g->dispersive <= x) {
-        bundle_traced(it, &w->camera, g, &mu);
+        runs_as_traced(it, &w->camera, g, &mu);
     } else {
-        int source = light->vertex->arrival.origin, sink = origin_of(it, SIDE_CAMERA, &w->camera, g);
+        int source = light->vertex->arrival.origin, sink = runs_origin(it, SIDE_CAMERA, &w->camera, g);
         double owed = light_survives(it, w, light, x, source, sink, sight);
-        if (!(owed > 0) || !bundle_draw(it, w, source, sink, dimension, &mu))
+        if (!(owed > 0) || !runs_draw(it, w, source, sink, dimension, &mu))
             return;
         mu.owed = owed;
         if (g->as.label == LABEL_ELASTIC) {
@@ -290,7 +147,7 @@ static void join_light(const struct integrator *it, struct worker *w, const stru
             taps.strand = w->strand[SIDE_CAMERA];
         }
     }
-    join(it, w, &joint, &y, 0, &taps, x, &mu, sight, NULL);
+    runs_join(it, w, &joint, &y, 0, &taps, x, &mu, sight, NULL);
 }
 
 /* s = 1: a light point drawn anew for each camera vertex. */
@@ -322,7 +179,7 @@ static void join_lens(const struct integrator *it, struct worker *w, const struc
     struct taps x = {lens, &end_group, 0, 1, NULL};
     struct joint joint; /* a kilobyte that is not worth clearing: joint_open and joint_set_end fill it */
     joint.pdf_camera_direction = pdf_direction;
-    join(it, w, &joint, light, y, &x, 0, mu, sight, pixel);
+    runs_join(it, w, &joint, light, y, &x, 0, mu, sight, pixel);
 }
 
 /* The plain part of a light run at wavelengths that the camera takes, made once for all of its vertices. */
@@ -336,9 +193,9 @@ static void light_run(const struct integrator *it, struct worker *w, const struc
                       uint32_t dimension, struct lit_run *lit)
 {
     lit->plain = run->first < run->dispersive &&
-                 bundle_draw(it, w, origin_of(it, SIDE_LIGHT, &w->light, run),
-                             wavelengths_sink_camera(&it->wavelengths), dimension, &lit->mu) &&
-                 plain_taps(it, w, SIDE_LIGHT, &w->light, run, &lit->mu, &lit->taps);
+                 runs_draw(it, w, runs_origin(it, SIDE_LIGHT, &w->light, run),
+                           wavelengths_sink_camera(&it->wavelengths), dimension, &lit->mu) &&
+                 runs_plain(it, w, SIDE_LIGHT, &w->light, run, &lit->mu, &lit->taps);
 }
 
 /* A lens point drawn anew for each light vertex. */
@@ -362,8 +219,8 @@ static void connect_lens(const struct integrator *it, struct worker *w, const st
         if (lit->plain && y < lit->taps.end)
             join_lens(it, w, &lit->taps, y, &lens, pdf_direction, &lit->mu, &sight, pixel);
         if (y >= run->dispersive) {
-            struct taps taps = dispersive_taps(&w->light, run);
-            bundle_traced(it, &w->light, run, &mu);
+            struct taps taps = runs_dispersive(&w->light, run);
+            runs_as_traced(it, &w->light, run, &mu);
             join_lens(it, w, &taps, y, &lens, pdf_direction, &mu, &sight, pixel);
         }
     }
@@ -371,8 +228,8 @@ static void connect_lens(const struct integrator *it, struct worker *w, const st
     for (int f = 0; f < dyes; f++) {
         struct group dye = {y, y, y + 1, y + 1, {LABEL_FLUORESCENT, f}};
         struct taps taps = {&w->light, &dye, y, y + 1, NULL};
-        if (bundle_draw(it, w, origin_of(it, SIDE_LIGHT, &w->light, &dye),
-                        wavelengths_sink_camera(&it->wavelengths), dimension + 4 + (uint32_t)f, &mu))
+        if (runs_draw(it, w, runs_origin(it, SIDE_LIGHT, &w->light, &dye),
+                      wavelengths_sink_camera(&it->wavelengths), dimension + 4 + (uint32_t)f, &mu))
             join_lens(it, w, &taps, y, &lens, pdf_direction, &mu, &sight, pixel);
     }
 }
@@ -414,9 +271,9 @@ static void connect_copies(const struct integrator *it, struct worker *w, const 
     if (copying.taken < 0 || w->copy.count < 2)
         return;
     const struct group *camera = &groups[copying.first[copying.taken]];
-    struct group light = elastic_group(&w->copy, copying.start);
-    struct taps y = dispersive_taps(&w->copy, &light), x = dispersive_taps(&w->camera, camera);
-    bundle_traced(it, &w->camera, camera, &mu);
+    struct group light = runs_elastic(&w->copy, copying.start);
+    struct taps y = runs_dispersive(&w->copy, &light), x = runs_dispersive(&w->camera, camera);
+    runs_as_traced(it, &w->camera, camera, &mu);
     join_taps(it, w, &y, &x, &mu);
 }
 
@@ -447,8 +304,8 @@ static void connect_lenses(const struct integrator *it, struct worker *w, const 
 void exact_connect_all(const struct integrator *it, struct worker *w)
 {
     struct group of_light[GROUPS_MAX], of_camera[GROUPS_MAX];
-    int lights = w->light.count > 0 ? list_groups(&w->light, of_light) : 0;
-    int cameras = w->camera.count > 0 ? list_groups(&w->camera, of_camera) : 0;
+    int lights = w->light.count > 0 ? runs_list(&w->light, of_light) : 0;
+    int cameras = w->camera.count > 0 ? runs_list(&w->camera, of_camera) : 0;
     roulette_weigh(it, w);
     connect_lights(it, w, of_camera, cameras);
     for (int x = 0; it->meets && x < cameras; x++)
