@@ -103,9 +103,9 @@ struct scene_setup {
 };
 bool scene_commit(struct scene *, const struct scene_setup *, stokes_error *err);
 
-/* Lines for the report: triangles, instances, lights, colours that no reflectance reaches. */
+/* Lines for the report: triangles, instances, lights, those at infinity that the world's volume keeps away, colours that no reflectance reaches. */
 struct scene_statistics {
-    size_t meshes, instances, triangles, lights, materials, images, colors_out_of_reach;
+    size_t meshes, instances, triangles, lights, lights_lost, materials, images, colors_out_of_reach;
 };
 struct scene_statistics scene_statistics(const struct scene *);
 

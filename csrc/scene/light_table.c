@@ -22,7 +22,7 @@ void scene_free_lights(struct scene *scene)
     scene->lights = NULL;
     scene->light_sum = NULL;
     scene->hittable = scene->distant = NULL;
-    scene->light_count = scene->hittable_count = scene->distant_count = 0;
+    scene->light_count = scene->hittable_count = scene->distant_count = scene->lost_count = 0;
 }
 
 /* True if the transform stretches all directions alike, within 1 %, so that a table of local areas serves. */
@@ -87,6 +87,21 @@ static const struct light_kind *kind_of(const struct lamp *lamp)
     return NULL;
 }
 
+/* Whether anything gets through the world's volume from infinity: only wavelengths that it leaves alone altogether (algorithm.md §13). */
+static bool infinity_arrives(const struct scene *scene)
+{
+    const struct volume *volume = scene->world ? scene->world->input.volume : NULL;
+    return !volume || !volume->extinction || !(spectrum_min(volume->extinction) > 0);
+}
+
+static void add_lamp(struct scene *scene, const struct light *light)
+{
+    if (light->kind->distant && !infinity_arrives(scene))
+        scene->lost_count++;
+    else
+        scene->lights[scene->light_count++] = *light;
+}
+
 static bool add_lamps(struct scene *scene, stokes_error *err)
 {
     registry_sort(&scene->lamps);
@@ -97,19 +112,19 @@ static bool add_lamps(struct scene *scene, stokes_error *err)
                               texture && texture->image ? texture->image->mean : NULL, lamp->name, err))
             return false;
         if (lamp->emission.total > 0)
-            scene->lights[scene->light_count++] = (struct light){.kind = kind_of(lamp),
-                                                                 .name = lamp->name,
-                                                                 .spectrum = lamp->emission.shape,
-                                                                 .mask = lamp->mask,
-                                                                 .lamp = lamp};
+            add_lamp(scene, &(struct light){.kind = kind_of(lamp),
+                                            .name = lamp->name,
+                                            .spectrum = lamp->emission.shape,
+                                            .mask = lamp->mask,
+                                            .lamp = lamp});
     }
     if (!scene->world || !world_compile(scene, err))
         return !scene->world;
     if (scene->world->emission.total > 0)
-        scene->lights[scene->light_count++] = (struct light){.kind = &light_world,
-                                                             .name = "world",
-                                                             .spectrum = scene->world->emission.shape,
-                                                             .mask = scene->world->mask};
+        add_lamp(scene, &(struct light){.kind = &light_world,
+                                        .name = "world",
+                                        .spectrum = scene->world->emission.shape,
+                                        .mask = scene->world->mask});
     return true;
 }
 

@@ -250,6 +250,7 @@ struct scene_statistics scene_statistics(const struct scene *scene)
     struct scene_statistics statistics = {.meshes = scene->meshes.count,
                                           .instances = scene->object_count,
                                           .lights = scene->light_count,
+                                          .lights_lost = scene->lost_count,
                                           .materials = scene->materials.count,
                                           .images = scene->images.count};
     for (size_t i = 0; i < scene->meshes.count; i++)

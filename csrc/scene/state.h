@@ -287,7 +287,7 @@ struct scene {
     struct vec3 center;
     float radius;
     struct light *lights;
-    size_t light_count;
+    size_t light_count, lost_count; /* lost: at infinity, where the world's volume lets nothing through */
     double *light_sum;
     const struct spectrum **spectra; /* distinct shapes of lights' spectra; borrowed from their lights */
     size_t spectrum_count;

@@ -60,6 +60,11 @@ void session_write_report(stokes_session *session)
     text_clear(out);
     text_line(out, "scene: %zu meshes, %zu instances, %zu triangles, %zu lights, %zu materials, %zu images",
               scene.meshes, scene.instances, scene.triangles, scene.lights, scene.materials, scene.images);
+    if (scene.lights_lost > 0)
+        text_line(out,
+                  "lights: %zu at infinity (suns, the world's own) left out: nothing arrives through the "
+                  "world's volume",
+                  scene.lights_lost);
     if (film)
         report_film(session, film, out);
     if (session->cancelled && stokes_session_is_part(session))

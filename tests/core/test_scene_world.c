@@ -242,6 +242,59 @@ static void lights_hidden_from_the_camera_are_seen_by_others_alone(void **state)
     scene_destroy(scene);
 }
 
+/* A spot, two suns and the world, in a volume of all space with this extinction. */
+static struct scene *lamps_in_fog(struct spectrum *extinction)
+{
+    struct scene *scene = scene_create();
+    struct volume *fog = volume_create(NULL, extinction, 0);
+    assert_true(fog && volume_finish(fog));
+    const enum light_shape shapes[] = {LIGHT_SPOT, LIGHT_SUN, LIGHT_SUN};
+    const char *names[] = {"spot", "sun", "sharp sun"};
+    for (int i = 0; i < 3; i++)
+        scenes_light(scene, (struct light_input){.name = names[i],
+                                                 .shape = shapes[i],
+                                                 .angle = (float)(2 - i),
+                                                 .transform = scenes_identity,
+                                                 .emission = scenes_emission(1)});
+    struct world_input world = {.emission = scenes_emission(1), .visible = scenes_visible, .volume = fog};
+    assert_true(scene_set_world(scene, &world, NULL));
+    scenes_commit(scene);
+    return scene;
+}
+
+static void lights_at_infinity_are_no_lights_where_nothing_of_them_arrives(void **state)
+{
+    (void)state;
+    static const float at[] = {300, 500, 510, 830}, clears[] = {1, 1, 0, 0};
+    const struct {
+        struct spectrum *extinction;
+        int lights;
+    } fogs[] = {{spectrum_constant(SCENES_RANGE, 1e-6f), 1},
+                {spectrum_constant(SCENES_RANGE, 0), 4},
+                {spectrum_table(SCENES_RANGE, at, clears, 4, BEYOND_HOLD, "fog", NULL), 4}};
+    for (size_t i = 0; i < 3; i++) {
+        struct scene *scene = lamps_in_fog(fogs[i].extinction);
+        struct scene_statistics told = scene_statistics(scene);
+        assert_int_equal(told.lights, fogs[i].lights);
+        assert_int_equal(told.lights_lost, 4 - fogs[i].lights);
+        struct light_point point;
+        struct ray ray = {vec3(0, 0, 5), vec3(0, 0, 1), 0, INFINITY, RAY_DIFFUSE};
+        assert_int_equal(scene_distant_along(scene, &ray, &point, 1), fogs[i].lights > 1);
+        float u[3] = {0.3f, 0.6f, 0.9f}, pdf;
+        assert_true(scene_sample_light(scene, u, &point, &pdf));
+        if (fogs[i].lights == 1) {
+            assert_string_equal(scene_light_name(scene, point.light), "spot");
+            assert_float_equal(pdf, 1, 0);
+            /* And they are back once the volume is gone. */
+            struct world_input world = {.emission = scenes_emission(1), .visible = scenes_visible};
+            assert_true(scene_set_world(scene, &world, NULL));
+            scenes_commit(scene);
+            assert_int_equal(scene_light_count(scene), 4);
+        }
+        scene_destroy(scene);
+    }
+}
+
 /* Radiance received at a point, once by rays in all directions that meet the lamp, once by points on it with
    G. */
 static void rays_find_lamps_as_sampling_draws_them(void **state)
@@ -295,6 +348,7 @@ int main(void)
         cmocka_unit_test(rays_see_a_sun_of_its_size),
         cmocka_unit_test(a_crowd_of_lamps_is_met_as_each_alone),
         cmocka_unit_test(lights_hidden_from_the_camera_are_seen_by_others_alone),
+        cmocka_unit_test(lights_at_infinity_are_no_lights_where_nothing_of_them_arrives),
         cmocka_unit_test(rays_find_lamps_as_sampling_draws_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -102,6 +102,23 @@ def test_a_volume_before_the_void_covers_what_it_extinguishes(core, tmp_path, vo
         stats.assert_unbiased("alpha", alpha, [wanted], 0.02)
 
 
+def test_the_report_names_light_that_no_fog_lets_through(core, tmp_path):
+    """Then only the spot is drawn; where the fog is clear at some wavelengths all three lights are."""
+    message, _ = scenes.emission(scenes.LIGHTS["d65"])
+    reports = []
+    for thickness in (0.1, 0):
+        fog = {"volume": "coefficients", "scattering": exact.Table([300, 500, 510, 830], [0.1, 0.1, thickness, thickness]).message()}
+        with stream.Recorder(tmp_path / "fog.stokes") as out:
+            out.send("world", kind="constant", emission=message, volume=fog)
+            for kind, angle in (("spot", 1), ("sun", 0.01)):
+                out.send("light", name=kind, kind=kind, transform=scenes.IDENTITY, angle=angle, blend=0.1, emission=message)
+            scenes.camera(out)
+            out.send("render", samples=[0, 1])
+        reports.append(core.run("render", tmp_path / "fog.stokes", "-o", tmp_path / "fog.exr").stderr)
+    assert "1 lights" in reports[0] and "lights: 2 at infinity" in reports[0], reports[0]
+    assert "3 lights" in reports[1] and "at infinity" not in reports[1], reports[1]
+
+
 # --- Light scattered once -----------------------------------------------------------------------------------
 
 SCATTERING, ABSORPTION, ANISOTROPY = exact.Table([300, 830], [0.6, 0.2]), exact.Table([300, 830], [0.1, 0.5]), 0.5
