@@ -71,14 +71,6 @@ def _command(name):
     return blenders.blender(name).command[:1]  # as plain Python: how a module leaves is tested too
 
 
-def assert_in_time(is_met, what):
-    """A claim on time says nothing on a machine that has far more to do than this test: there it is skipped, and says so."""
-    busy = os.getloadavg()[0] / (os.cpu_count() or 1)
-    if not is_met and busy > 2.5:
-        pytest.skip("too busy to tell (load %.1f a processor): %s" % (busy, what))
-    assert is_met, what
-
-
 def newest():
     """The newest that can be had; 5.1 and later need a Python that not every system has."""
     missing = []

@@ -8,7 +8,8 @@ import subprocess
 
 import pytest
 
-from hosts import FAKE_CORE, INSIDE, MARK, ROOT, assert_in_time
+from clock import assert_in_time
+from hosts import FAKE_CORE, INSIDE, MARK, ROOT
 
 BLENDER, XVFB, KEYS = shutil.which("blender"), shutil.which("xvfb-run"), shutil.which("xdotool")
 
@@ -76,6 +77,14 @@ bpy.context.preferences.view.render_display_type = 'NONE'
 window = bpy.context.window_manager.windows[0]
 state = {"step": 0}
 
+def brightest(name):  # of the result as it is now; Blender saves none before the first tile, nor while it takes one in
+    path = os.path.join(TMP, name)
+    try:
+        bpy.data.images["Render Result"].save_render(path)
+    except RuntimeError:
+        return 0
+    return max(bpy.data.images.load(path).pixels[:3000])
+
 def step():
     state["step"] += 1
     log = os.path.join(TMP, "log")
@@ -85,21 +94,13 @@ def step():
     elif "pressed" not in state:
         if os.path.exists(log) and '"render"' in open(log).read():
             state["seen"] = state.get("seen", 0) + 1
-        if state.get("seen", 0) == 10:  # half a second on its way: what the Image Editor shows now
-            result = bpy.data.images["Render Result"]
-            result.save_render(os.path.join(TMP, "growing.png"))
-            growing = bpy.data.images.load(os.path.join(TMP, "growing.png"))
-            state["growing"] = max(growing.pixels[:3000])
-        if state.get("seen", 0) > 30:
+        if state.get("seen", 0) > 30 and brightest("growing.png") > 0.1:  # tiles come while it renders
             state["pressed"] = time.time()
             # Blender puts its window at the lower left of the screen of 1280 × 1024
             subprocess.run(["xdotool", "mousemove", "320", "800", "key", "Escape"], timeout=10)
     elif not bpy.app.is_job_running('RENDER'):
         state["ended"] = time.time()
-        result = bpy.data.images["Render Result"]
-        result.save_render(os.path.join(TMP, "kept.png"))
-        kept = bpy.data.images.load(os.path.join(TMP, "kept.png"))
-        tell([state["pressed"], state["ended"], max(kept.pixels[:3000]), state["growing"]])
+        tell([state["pressed"], state["ended"], brightest("kept.png")])
         os._exit(0)
     return 0.02
 
@@ -108,24 +109,21 @@ bpy.app.timers.register(step, first_interval=0.5)
         tmp_path,
         "slow",
     )
-    pressed, ended, brightest, growing = told
+    pressed, ended, brightest = told
     cancel = [frame["at"] for frame in frames(tmp_path) if frame["name"] == "cancel"]
     print("Esc to cancel %.3f s, to the end %.3f s" % (cancel[0] - pressed, ended - pressed))
-    assert (
-        cancel[0] - pressed < 0.25
-    )  # 100 ms of ours and Blender's own way from the key to the flag
-    assert ended - pressed < 2 and brightest > 0.1
-    assert growing > 0.1  # tiles had come while it rendered
+    assert brightest > 0.1
+    assert_in_time([cancel[0] - pressed], 0.25)  # 100 ms of ours and Blender's own way from the key to the flag
+    assert_in_time([ended - pressed], 2)
 
 
 def test_a_fluorescent_material_is_readable_in_its_preview(tmp_path):
     """Within two seconds, the ball is brighter and greener than the lamps' white would make it. Here and not with -b, where 3.4.1
-    crashes at the end of any preview, with Cycles too. The best of a few counts: its core has a low priority, and others may be
-    at work."""
+    crashes at the end of any preview, with Cycles too."""
     core = ROOT / "build" / "stokes"
     if not core.exists():
         pytest.skip("build/stokes is not built")
-    tries = run_in_window(
+    tries, seen = run_in_window(
         """
 import time
 from addon import nodes
@@ -138,11 +136,11 @@ tree.nodes.clear()
 surface = nodes.new(tree, "fluorescent", dye="fluorescein_basic-ethanol")
 output = tree.nodes.new("ShaderNodeOutputMaterial")
 tree.links.new(surface.outputs[0], output.inputs["Surface"])
-tries, state = [], {}
+tries, state = [], {"count": 0, "seen": None}
 
 def begin():
     twin = material.copy()
-    state.update(start=time.time(), material=twin)
+    state.update(start=time.time(), material=twin, count=state["count"] + 1)
     twin.asset_generate_preview()
 
 def middle(preview):  # mean of the ball's middle third
@@ -153,31 +151,30 @@ def middle(preview):  # mean of the ball's middle third
     return [sum(sum(row[channel::4]) for row in rows) / sum(len(row) // 4 for row in rows) for channel in range(3)]
 
 def step():
-    preview = state["material"].preview
-    is_drawn = preview is not None and preview.image_size[0] and max(preview.image_pixels_float)
-    if not is_drawn or bpy.app.is_job_running('RENDER_PREVIEW'):
-        if time.time() - state["start"] > 10:  # Blender drops the job of a preview that it no longer needs
-            tries.append([False])
-            begin()
+    preview, seconds = state["material"].preview, time.time() - state["start"]
+    if preview is not None and preview.image_size[0] >= 128 and max(preview.image_pixels_float):
+        red, green, blue = middle(preview)
+        state["seen"] = [seconds, red, green, blue]
+        if green > red and green > 1.1 * blue:
+            tries.append(state["seen"])
+    is_over = tries and tries[-1] is state["seen"]
+    if not is_over and seconds < 20:  # Blender drops the job of a preview that it no longer needs
         return 0.02
-    seconds = time.time() - state["start"]
-    red, green, blue = middle(preview)
-    good = seconds < 2 and preview.image_size[0] >= 128 and green > red and green > 1.1 * blue
-    tries.append([good, seconds, preview.image_size[0], red, green, blue])
-    if not good and len(tries) < 6:
-        begin()
-        return 0.02
-    tell([tries])
-    os._exit(0)
+    if is_over and seconds < 2 or state["count"] == 3:
+        tell([tries, state["seen"]])
+        os._exit(0)
+    begin()
+    return 0.02
 
 begin()
 bpy.app.timers.register(step, first_interval=0.02)
 """,
         tmp_path,
         core=core,
-    )[0]
+    )
     print(tries)
-    assert_in_time(any(good for good, *_ in tries), tries)
+    assert tries, seen
+    assert_in_time([seconds for seconds, *_ in tries], 2)
 
 
 def test_one_thread_stays_free_for_the_window(tmp_path):

@@ -16,6 +16,7 @@ import frames
 import numpy as np
 import pytest
 import scenes
+from clock import assert_in_time
 from process import SECONDS, SLOWER, STOKES, Server, run
 
 START = frames.hello() + frames.color() + frames.settings()
@@ -78,20 +79,20 @@ def test_a_frame_that_fails_changes_nothing(server):
 def test_cancel_is_quick_and_the_process_stays(server):
     """The best of a few tries counts: other processes may hold the processor for longer."""
     start_long_render(server)
-    for attempt in range(TRIES):
+    times = []
+    while len(times) < TRIES and min(times, default=QUICK) >= QUICK:
+        if times:
+            server.send(frames.render(0, 1 << 20))
+            server.wait("progress")
         before = time.monotonic()
         server.send(frames.frame("cancel"))
         told = server.wait("finished")
-        took = time.monotonic() - before
+        times.append(time.monotonic() - before)
         assert told["cancelled"] and told["samples"] >= 0
-        if took < QUICK:
-            break
-        server.send(frames.render(0, 1 << 20))
-        server.wait("progress")
-    assert took < QUICK
     server.send(frames.render(0, 1))
     told = server.wait("finished")
     assert not told["cancelled"] and told["samples"] == 1
+    assert_in_time(times, QUICK)
 
 
 @pytest.fixture(scope="module")
@@ -126,11 +127,9 @@ def test_cancel_is_quick_in_a_heavy_scene(heavy, when):
             times.append(time.monotonic() - before)
             assert told["cancelled"] and (told["samples"] == 0) == (when == "first pass")
         print("cancelled within %.0f ms" % (1e3 * min(times)))
-        if min(times) >= QUICK and os.getloadavg()[0] > 2.5 * os.cpu_count():
-            pytest.skip("too busy to tell: cancelled within %.0f ms" % (1e3 * min(times)))
-        assert min(times) < QUICK, times
         alphas = array.array("f", film[:])[3::4]
         assert set(alphas) == ({0, 1} if when == "first pass" else {1})
+        assert_in_time(times, QUICK)
     finally:
         server.process.kill()
         server.close()
@@ -161,9 +160,9 @@ def test_cancel_is_quick_while_trees_are_built(server):
         server.send(frames.frame("cancel"))
         assert server.wait("finished")["cancelled"]
         times.append(time.monotonic() - before)
-    assert min(times) < QUICK, times
     server.send(frames.render(0, 1))
     assert server.wait("finished")["samples"] == 1
+    assert_in_time(times, QUICK)
 
 
 def test_cancel_reaches_a_render_that_has_not_begun(server):
@@ -191,7 +190,7 @@ def test_the_end_of_input_ends_a_render_quickly(end, status):
         finally:
             server.process.kill()
             server.close()
-    assert min(times) < QUICK, times  # and the process is gone
+    assert_in_time(times, QUICK)  # and the process is gone
 
 
 def test_a_killed_parent_ends_the_core(tmp_path):
