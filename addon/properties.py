@@ -96,6 +96,8 @@ LANES = (
     ('8', "8", "Eight wavelengths a path"),
 )
 
+MOST_EDGES = 32  # of a path; the core takes no longer ones (STREAM.md, `settings`)
+
 # Operator presets: what a click on them sets. Members not named keep their value.
 PRESETS = {
     'PREVIEW': (
@@ -111,7 +113,7 @@ PRESETS = {
     'FINAL': (
         "Final",
         "For the picture that you keep",
-        dict(samples=1024, d0=50.0, shrink=0.2, max_path=32),
+        dict(samples=1024, d0=50.0, shrink=0.2, max_path=MOST_EDGES),
     ),
     'CAUSTICS': (
         "Glass and Caustics",
@@ -121,9 +123,9 @@ PRESETS = {
             samples=2048,
             d0=50.0,
             shrink=0.1,
-            max_path=48,
-            max_transmission=48,
-            max_glossy=48,
+            max_path=MOST_EDGES,
+            max_transmission=MOST_EDGES,
+            max_glossy=MOST_EDGES,
         ),
     ),
     'REFERENCE': (
@@ -133,14 +135,14 @@ PRESETS = {
             samples=16384,
             d0=20.0,
             shrink=0.4,
-            max_path=64,
-            max_camera=64,
-            max_light=64,
-            max_diffuse=64,
-            max_glossy=64,
-            max_transmission=64,
-            max_volume=64,
-            max_transparent=64,
+            max_path=MOST_EDGES,
+            max_camera=MOST_EDGES,
+            max_light=MOST_EDGES,
+            max_diffuse=MOST_EDGES,
+            max_glossy=MOST_EDGES,
+            max_transmission=MOST_EDGES,
+            max_volume=MOST_EDGES,
+            max_transparent=MOST_EDGES,
         ),
     ),
 }
@@ -177,7 +179,7 @@ def _keep_range_open(self, _context):
 
 
 def _bounces(name, tooltip):
-    return IntProperty(name=name, description=tooltip, default=32, min=0, soft_max=64, max=1024)
+    return IntProperty(name=name, description=tooltip, default=MOST_EDGES, min=0, max=MOST_EDGES)
 
 
 class StokesSettings(bpy.types.PropertyGroup):
@@ -283,26 +285,23 @@ class StokesSettings(bpy.types.PropertyGroup):
     max_path: IntProperty(
         name="Total",
         description="Longest path from a light to the camera, in segments",
-        default=32,
+        default=MOST_EDGES,
         min=1,
-        soft_max=64,
-        max=1024,
+        max=MOST_EDGES,
     )
     max_camera: IntProperty(
         name="Camera Part",
         description="Longest part of a path traced from the camera, in segments",
-        default=32,
+        default=MOST_EDGES,
         min=1,
-        soft_max=64,
-        max=1024,
+        max=MOST_EDGES,
     )
     max_light: IntProperty(
         name="Light Part",
         description="Longest part of a path traced from a light, in segments",
-        default=32,
+        default=MOST_EDGES,
         min=0,
-        soft_max=64,
-        max=1024,
+        max=MOST_EDGES,
     )
     max_diffuse: _bounces("Diffuse", "Most diffuse or fluorescent bounces on one path")
     max_glossy: _bounces("Glossy", "Most bounces by reflection on one path")

@@ -8,6 +8,8 @@ import pytest
 
 from hosts import INSIDE, ROOT, host_named, oldest_and_newest
 
+CORE = ROOT / "build" / "stokes"
+
 WINDOW = """
 import traceback
 from addon import nodes, ui
@@ -145,6 +147,45 @@ for name, (_label, _tooltip, values) in properties.PRESETS.items():
 tell(told)
 """, tmp_path)
     assert found == [True] * 5
+
+
+@pytest.mark.skipif(not CORE.exists(), reason="the core is not built")
+@oldest_and_newest
+def test_the_core_takes_every_preset_and_both_ends_of_every_setting(host, tmp_path):
+    refused, tried = host.run("""
+from addon import properties
+from addon.core.client import Client, CoreError
+settings = bpy.context.scene.stokes
+refused, tried = [], 0
+
+def offer(what):
+    global tried
+    tried += 1
+    with Client() as core:
+        try:
+            core.send("settings", **properties.stream_settings(bpy.context.scene))
+            core.wait_done()
+        except CoreError as error:
+            refused.append([what, str(error)])
+
+for name in properties.PRESETS:
+    bpy.ops.stokes.preset(name=name)
+    offer(name)
+for prop in settings.bl_rna.properties:
+    if prop.type in {'INT', 'FLOAT'}:
+        ends = [prop.hard_min, prop.hard_max]
+    elif prop.type == 'ENUM' and not prop.is_readonly:
+        ends = [item.identifier for item in prop.enum_items]
+    else:
+        continue
+    for end in ends:
+        for other in settings.bl_rna.properties:
+            settings.property_unset(other.identifier)
+        setattr(settings, prop.identifier, end)
+        offer([prop.identifier, end])
+tell([refused, tried])
+""", tmp_path, env={"STOKES_CORE": str(CORE)})
+    assert refused == [] and tried > 40
 
 
 @oldest_and_newest
