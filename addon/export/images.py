@@ -20,17 +20,24 @@ def is_sheer(image):
     )
 
 
-def send(image, name, context, times_alpha=False):
-    """True if the image has been sent; else a warning has said why not."""
+def is_there(image, context):
+    """Whether it has pixels; a warning says why not, and what of it is left out."""
     if image.source == 'TILED':
         context.warn(image, "source", "of a tiled (UDIM) image only the first tile is used")
     if image.source in {'SEQUENCE', 'MOVIE'}:
         context.warn(image, "source", "only one frame of it is used, the one that is loaded")
-    width, height = image.size  # asking for the size loads the file
-    channels = image.channels
-    if not width or not height or not channels:
-        context.warn(image, "filepath", "has no pixels: %s" % (image.filepath or "no file"))
+    if min(image.size) and image.channels:  # asking for the size loads the file
+        return True
+    context.warn(image, "filepath", "has no pixels: %s" % (image.filepath or "no file"))
+    return False
+
+
+def send(image, name, context, times_alpha=False):
+    """True if the image has been sent; else a warning has said why not."""
+    if not is_there(image, context):
         return False
+    width, height = image.size
+    channels = image.channels
     pixels = array("f", bytes(4 * width * height * channels))
     image.pixels.foreach_get(pixels)
     if channels == 2:

@@ -1,5 +1,4 @@
-"""What is not rendered as in Cycles, listed by material, light and world: of the last look or the
-last export."""
+"""What is not rendered as in Cycles, listed by its owner: of the last look or the last export."""
 
 import bpy
 
@@ -15,56 +14,48 @@ def keep(warnings):
     _warnings = [tuple(entry) for entry in warnings]
 
 
-class NodeCheck:
-    """Stands in for an ExportContext where nothing is sent: only warnings count."""
+class Nowhere:
+    """Stands in for a stream where only warnings count."""
 
-    def __init__(self, scene):
-        self.scene = scene
-        self.blender_version = tuple(bpy.app.version)
-        self.warnings = []
-
-    def warn(self, owner, prop, text):
-        entry = (getattr(owner, "name_full", None) or str(owner), prop, text)
-        if entry not in self.warnings:
-            self.warnings.append(entry)
-
-    def image(self, image):
-        if image.source not in {'FILE', 'GENERATED', 'VIEWER'}:
-            self.warn(image, "source", "%s is not supported yet" % image.source.lower())
-        return image.name_full
-
-    def cycles(self, owner, name, default):
-        return getattr(getattr(owner, "cycles", None), name, default)
+    def send(self, message, /, **members):
+        pass
 
 
-def check(scene):
-    """Warnings of all materials, lights and the world of a scene."""
-    from ..export import nodes
+def check(context):
+    """Warnings of an export of what the window shows, and of the nodes that it hides and a render
+    does not."""
+    from ..export import ExportContext, camera, images, nodes, send_scene
 
-    context = NodeCheck(scene)
-    materials, lights = set(), set()
+    class Look(ExportContext):
+        def image(self, image, times_alpha=False):
+            return image.name_full if images.is_there(image, self) else None
+
+    scene, depsgraph = context.scene, context.evaluated_depsgraph_get()
+    look = Look(Nowhere(), depsgraph)
+    if scene.camera:
+        size = camera.resolution(scene)
+        shown_camera = scene.camera.evaluated_get(depsgraph)
+        send_scene(look, shown_camera, size, camera.border(scene, size))
+    else:
+        look.warn(scene, "camera", "there is none")
     for thing in scene.objects:
-        if thing.type == 'LIGHT':
-            lights.add(thing.data)
-        else:
-            materials.update(slot.material for slot in thing.material_slots if slot.material)
-    for material in sorted(materials, key=lambda material: material.name_full):
-        nodes.surface(material, context)
-    for light in sorted(lights, key=lambda light: light.name_full):
-        nodes.light_emission(light, context)
-    nodes.world(scene.world, context)
-    return context.warnings
+        if thing.type == 'LIGHT' and not thing.hide_render:
+            nodes.light_emission(thing.data, look)
+        for slot in () if thing.hide_render else thing.material_slots:
+            if slot.material:
+                nodes.surface(slot.material, look)
+                nodes.volume(slot.material, look)
+    return look.warnings
 
 
 class STOKES_OT_check_scene(bpy.types.Operator):
-    """Look through all materials, lights and the world for what Stokes cannot render as Cycles
-    does"""
+    """Look through the whole scene for what Stokes cannot render as Cycles does"""
 
     bl_idname = "stokes.check_scene"
     bl_label = "Check Scene"
 
     def execute(self, context):
-        keep(check(context.scene))
+        keep(check(context))
         count = len(_warnings)
         self.report(
             {'INFO'},

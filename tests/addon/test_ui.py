@@ -200,9 +200,26 @@ tree = material.node_tree
 shader = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
 noise = tree.nodes.new("ShaderNodeTexNoise")
 tree.links.new(noise.outputs[1], shader.inputs[0])
-tell(report.check(scene))
+picture = tree.nodes.new("ShaderNodeTexImage")
+picture.image = bpy.data.images.new("Sheer", 4, 4, alpha=True)
+tree.links.new(picture.outputs[0], shader.inputs["Roughness"])
+glow = tree.nodes.new("ShaderNodeEmission")
+tree.links.new(glow.outputs[0], tree.get_output_node('CYCLES').inputs["Volume"])
+told = [report.check(bpy.context)]
+scene.render.use_motion_blur = True
+scene.camera.data.type = 'PANO'
+plane.hide_set(True)  # in the window alone: it is rendered
+told.append(report.check(bpy.context))
+plane.hide_render = True
+scene.camera = None
+told.append(report.check(bpy.context))
+tell(told)
 """, tmp_path)
-    assert [entry[:2] for entry in found] == [["Rough", "Noise Texture"]]
+    nodes, whole, left = ([entry[:2] for entry in part] for part in found)
+    assert nodes == [["Rough", "Noise Texture"], ["Rough", "Emission"]]
+    camera = ["Camera", "type"]
+    assert sorted(whole) == sorted([["Scene", "use_motion_blur"], camera, *nodes])
+    assert left == [["Scene", "camera"]]
 
 
 def test_a_lamp_takes_a_spectrum_and_gives_it_back(host, tmp_path):
