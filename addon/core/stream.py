@@ -2,6 +2,8 @@
 The contract is csrc/stream/STREAM.md; `Recorder` writes a scene file, `client.Client` speaks to a
 core."""
 
+import contextlib
+import errno
 import json
 import os
 import struct
@@ -107,6 +109,8 @@ class Recorder:
 
     def __init__(self, path):
         self.path = os.fspath(path)
+        if os.path.exists(self.path) and not os.path.isfile(self.path):  # a device, say
+            raise FileExistsError(errno.EEXIST, "is no file", self.path)
         self.temporary = "%s.%d.part" % (self.path, os.getpid())
         self.file = open(self.temporary, "wb")
         self.send("hello", version=VERSION, client=CLIENT)
@@ -117,12 +121,17 @@ class Recorder:
         self.file.writelines(encode(message, members))
 
     def close(self):
-        self.file.close()
-        os.replace(self.temporary, self.path)
+        try:
+            self.file.close()  # writes what is left
+            os.replace(self.temporary, self.path)
+        except OSError:
+            self.abort()
+            raise
 
     def abort(self):
-        self.file.close()
-        if os.path.exists(self.temporary):
+        with contextlib.suppress(OSError):  # the disk is full: closing says it once more
+            self.file.close()
+        with contextlib.suppress(FileNotFoundError):
             os.remove(self.temporary)
 
     def __enter__(self):

@@ -50,8 +50,11 @@ class Session:
         if not path:
             self._send(self.client, check)
             return
-        with stream.Recorder(path) as recorder:
-            self._send(stream.Tee(self.client, recorder), check)
+        try:
+            with stream.Recorder(path) as recorder:
+                self._send(stream.Tee(self.client, recorder), check)
+        except OSError as error:  # the core's own are a CoreError
+            raise CoreError("%s: the scene cannot be recorded: %s" % (path, error.strerror)) from error
 
     def _send(self, out, check):
         context = ExportContext(

@@ -65,6 +65,34 @@ def test_a_failed_recording_leaves_nothing_behind_and_spares_the_old_file(tmp_pa
     assert path.read_bytes() == b"old"
 
 
+def test_a_full_disk_leaves_no_half_recording(tmp_path):
+    """Full at the first write, or with the last one, which close() makes: here, a limit for each file."""
+    script = (
+        "import resource, signal, sys\n"
+        "from addon.core import stream\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
+        "with stream.Recorder(sys.argv[1]) as out:\n"
+        "    out.send('mesh', name='M', positions=stream.Blob(bytes(int(sys.argv[2]))))\n"
+    )
+    path = tmp_path / "scene.stokes"
+    for size in ("1100", "1000000"):
+        done = subprocess.run(
+            [sys.executable, "-c", script, str(path), size],
+            cwd=ROOT, capture_output=True, text=True, timeout=20,
+        )
+        assert done.returncode == 1 and "OSError: [Errno 27]" in done.stderr, done.stderr
+        assert os.listdir(tmp_path) == []
+
+
+def test_a_recording_replaces_nothing_but_files(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    with pytest.raises(FileExistsError):
+        stream.Recorder(path)
+    assert path.is_fifo() and os.listdir(tmp_path) == ["pipe"]
+
+
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), object(), b"bytes outside a Blob"])
 def test_what_json_cannot_carry_names_the_message_and_the_object(value):
     with pytest.raises(stream.StreamError, match="light: Lamp"):

@@ -227,6 +227,25 @@ except RuntimeError as error:
 
 
 @oldest_and_newest
+def test_a_scene_that_cannot_be_recorded_is_one_error_that_names_the_file(host, tmp_path):
+    told = host.run(
+        """
+scene = empty_scene()
+scene.stokes.use_record, scene.stokes.record_path = True, os.path.join(TMP, "missing", "a.stokes")
+try:
+    save_exr("never.exr")
+except RuntimeError as error:
+    tell([str(error).strip(), sorted(os.listdir(TMP))])
+""",
+        tmp_path,
+        status=None,
+    )
+    path = tmp_path / "missing" / "a.stokes"
+    assert told[0].endswith("%s: the scene cannot be recorded: No such file or directory" % path)
+    assert "never.exr" not in told[1]
+
+
+@oldest_and_newest
 @pytest.mark.parametrize("when", ["at once", "while the core is busy"])
 def test_esc_before_the_render_ends_it_without_an_error(host, tmp_path, when):
     """While the scene is sent: at the first look, or while a core that is deep in thought lets the pipe fill up."""
