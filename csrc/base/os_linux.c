@@ -182,6 +182,11 @@ static bool flush_file(const char *path)
 
 bool os_commit_file(const char *temporary, const char *path, stokes_error *err)
 {
+    struct stat there;
+    if (stat(path, &there) == 0 && !S_ISREG(there.st_mode)) { /* a device or a pipe would be gone */
+        unlink(temporary);
+        return fail(err, path, "write", "is no file");
+    }
     if (flush_file(temporary) && rename(temporary, path) == 0)
         return true;
     int why = errno;

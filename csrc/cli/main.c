@@ -1,4 +1,5 @@
 /* `stokes`: picks the sub-command. */
+#include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
@@ -27,20 +28,31 @@ static void print_help(FILE *out)
     fputs("\n`stokes COMMAND --help` tells all of a command.\n", out);
 }
 
+/* What was printed may still be on its way: a full disk shows here. */
+static int finish(int status)
+{
+    stokes_error err = {.object = "standard output", .property = "write"};
+    bool was_lost = ferror(stdout), is_lost = fflush(stdout) != 0;
+    if (status || !(was_lost || is_lost))
+        return status;
+    snprintf(err.text, sizeof err.text, "%s", is_lost ? strerror(errno) : "a part was lost");
+    return cli_fail(&err);
+}
+
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
     opterr = 0; /* errors are one line, and ours */
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         if (strcmp(name, commands[i].name) == 0)
-            return commands[i].run(argc - 1, argv + 1);
+            return finish(commands[i].run(argc - 1, argv + 1));
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
         print_help(stdout);
-        return 0;
+        return finish(0);
     }
     if (strcmp(name, "--version") == 0) {
         puts("stokes " STOKES_VERSION);
-        return 0;
+        return finish(0);
     }
     if (*name)
         fprintf(stderr, "stokes: %s: command: is unknown; see `stokes --help`\n", name);

@@ -1,6 +1,7 @@
 """Bad input, by the executable alone: each fault is one clear line that names message, object and
 member, and nothing is left behind. Cancels and kills are in test_serving.py."""
 
+import os
 import resource
 import signal
 import struct
@@ -411,16 +412,30 @@ def test_an_output_that_cannot_be_written_leaves_nothing(tmp_path):
     scene = tmp_path / "scene.stokes"
     scene.write_bytes(frames.scene())
     (tmp_path / "taken.exr").mkdir()
+    os.mkfifo(tmp_path / "pipe.exr")
     for out in (
         tmp_path / "missing" / "out.exr",
         tmp_path / "taken.exr",
+        tmp_path / "pipe.exr",
         tmp_path / "missing" / "out.png",
     ):
         result = run("render", scene, "-o", out, "-q")
         lines = [line for line in result.stderr.decode().splitlines() if "warning" not in line]
         assert result.returncode == 1 and len(lines) == 1 and str(out) in lines[0], lines
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["scene.stokes", "taken.exr"]
+    left = sorted(path.name for path in tmp_path.iterdir())
+    assert left == ["pipe.exr", "scene.stokes", "taken.exr"] and (tmp_path / "pipe.exr").is_fifo()
     assert not list((tmp_path / "taken.exr").iterdir())
+
+
+def test_words_that_a_full_disk_swallows_are_an_error(tmp_path):
+    """Nobody could tell a list that ends early from a short one."""
+    scene = tmp_path / "scene.stokes"
+    scene.write_bytes(frames.scene())
+    for arguments in (["info", scene], ["spectrum", "list"], ["matrix", "list"], ["--help"], ["render", "--help"]):
+        with open("/dev/full", "wb") as full:
+            done = subprocess.run([STOKES, *arguments], stdout=full, stderr=subprocess.PIPE, timeout=SECONDS)
+        assert done.returncode == 1 and len(done.stderr.splitlines()) == 1, (arguments, done.stderr)
+        assert done.stderr.startswith(b"stokes: standard output: write: "), (arguments, done.stderr)
 
 
 def test_a_file_size_limit_leaves_no_half_picture(tmp_path):
