@@ -21,6 +21,12 @@ LIBS     = $(shell pkg-config --libs $(PACKAGES) 2>/dev/null) -lOpenEXRCore -lem
 SOURCES   = $(filter-out csrc/cli/%,$(wildcard csrc/*/*.c csrc/*/*.cpp csrc/*/*/*.c))
 OBJECTS   = $(patsubst %,$(BUILD)/%.o,$(basename $(SOURCES)))
 CLI       = $(patsubst %.c,$(BUILD)/%.o,$(wildcard csrc/cli/*.c))
+# x86-64: all of the program but its tables and its C++ once more for wider vectors, as one object that shows only its entry, so that no
+# call between rooms is an indirect one. csrc/cli/main.c picks by the processor. Without FMA, for the bits.
+WIDTHS.release = $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2)
+FLAGS.avx2     = -mavx2 -mbmi -mbmi2
+WIDTHS   = $(WIDTHS.$(VARIANT))
+WIDE     = $(patsubst %.c,%.o,$(filter-out csrc/cli/main.c,$(wildcard csrc/*/*.c)))
 NAMES    ?= *
 TESTS     = $(patsubst tests/core/test_%.c,$(BUILD)/tests/test_%,$(wildcard $(NAMES:%=tests/core/test_%.c)))
 RUNS      = $(TESTS:$(BUILD)/tests/%=run-%)
@@ -47,11 +53,19 @@ build/deps/.done: .ci/dependencies
 core: deps ## build build/stokes
 	@$(MAKE) --no-print-directory -j$(JOBS) build/$(if $(filter release,$(VARIANT)),,$(VARIANT)/)stokes
 
-build/stokes build/$(VARIANT)/stokes: $(CLI) $(BUILD)/libstokes.a
+build/stokes build/$(VARIANT)/stokes: $(CLI) $(WIDTHS:%=$(BUILD)/%.o) $(BUILD)/libstokes.a
 	$(CC) $(FLAGS.$(VARIANT)) -o $@ $^ $(LIBS)
 $(BUILD)/libstokes.a: $(OBJECTS)
 	@rm -f $@
 	@$(AR) rcs $@ $^
+$(BUILD)/csrc/cli/main.o: CFLAGS += $(WIDTHS:%=-DWIDTH_%)
+$(BUILD)/avx2.o: $(WIDE:%=$(BUILD)/avx2/%)
+	$(LD) -r -o $@.part $^
+	objcopy --redefine-sym program=program_avx2 --keep-global-symbol=program_avx2 $@.part $@
+	@rm $@.part
+$(BUILD)/avx2/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) $(FLAGS.avx2) -c $< -o $@
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) -c $< -o $@
@@ -61,7 +75,7 @@ $(BUILD)/%.o: %.cpp
 $(BUILD)/tests/test_%: $(BUILD)/tests/core/test_%.o $(TEST_AIDS) $(BUILD)/libstokes.a
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS.$(VARIANT)) -o $@ $^ -lcmocka $(LIBS)
--include $(OBJECTS:.o=.d) $(CLI:.o=.d) $(TEST_AIDS:.o=.d) $(TESTS:$(BUILD)/tests/%=$(BUILD)/tests/core/%.d)
+-include $(OBJECTS:.o=.d) $(CLI:.o=.d) $(WIDE:%.o=$(BUILD)/avx2/%.d) $(TEST_AIDS:.o=.d) $(TESTS:$(BUILD)/tests/%=$(BUILD)/tests/core/%.d)
 
 demo: core ## render the fluorescent spheres through headless Blender into build/demo
 	$(BLENDER) -b --factory-startup --python-exit-code 1 --python test_scenes/spheres.py -- \

@@ -10,6 +10,14 @@
 /* Exit statuses beside 0. */
 enum { CLI_FAILED = 1, CLI_USAGE = 2, CLI_CANCELLED = 130 };
 
+/* The program as compiled for one width of the processor's vector unit (main.c); an array of them ends with a NULL name. */
+struct width {
+    const char *name;
+    bool usable; /* by the processor that this runs on */
+    int (*program)(const struct width *widths, const struct width *own, int argc, char **argv);
+};
+int program(const struct width *widths, const struct width *own, int argc, char **argv);
+
 int cli_render(int argc, char **argv);
 int cli_merge(int argc, char **argv);
 int cli_info(int argc, char **argv);

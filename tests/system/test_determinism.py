@@ -1,4 +1,4 @@
-"""The image is a function of scene, seed and sample range: threads, parts and borders change no bit."""
+"""The image is a function of scene, seed and sample range: threads, vectors, parts and borders change no bit."""
 
 import re
 
@@ -53,6 +53,28 @@ def test_threads_change_no_bit(core, scene, integrator, lanes):
     assert pictures[0].sums().any()
     assert_same_bits(pictures[0], pictures[1])
     assert_same_bits(pictures[0], pictures[2])
+
+
+@pytest.mark.parametrize("lanes", [1, 4, 8])
+@pytest.mark.parametrize("integrator", ["mbdpt", "bdpt"])
+@pytest.mark.parametrize("vectors", ["avx2"])
+def test_vectors_change_no_bit(core, scene, integrator, lanes, vectors, monkeypatch):
+    if vectors not in re.search("Vectors on this machine: ([^;]*);", core.run("--help").stdout)[1].split(", "):
+        pytest.skip("%s: not on this machine, or not in this build" % vectors)
+    pictures = []
+    for name in ("baseline", vectors):
+        monkeypatch.setenv("STOKES_VECTORS", name)
+        assert "; now %s." % name in core.run("--help").stdout
+        pictures.append(core.render(scene, integrator=integrator, seed=3, samples=16, lanes=lanes, **BINS))
+    assert pictures[0].sums().any()
+    assert_same_bits(*pictures)
+
+
+def test_vectors_that_no_machine_has_are_refused_in_one_line(core, monkeypatch):
+    monkeypatch.setenv("STOKES_VECTORS", "avx1024")
+    result = core.run("--version", check=False)
+    assert result.returncode == 2
+    assert result.stderr == "stokes: STOKES_VECTORS: 'avx1024' is not on this machine; see `stokes --help`\n"
 
 
 def test_seeds_change_the_picture(core, scene, integrator):
