@@ -94,7 +94,7 @@ def volume_milky_glass():
 
 @scene(samples=(512, 2048), size=(48, 48), run="long")
 def volume_world_with_spot():
-    """A beam of light in fog: what comes from the world itself never arrives. The spot is small: Cycles' are disks."""
+    """A beam of light in fog: what comes from the world itself never arrives. The spot is small: Cycles draws disks (export/lights.py)."""
     link("Floor", plane("Floor", 8.0)).data.materials.append(diffuse(0.5))
     link("Box", box("Box"), (0.4, 0.3, 0.5), (0, 0, 30), (0.5, 0.5, 0.5)).data.materials.append(diffuse(0.6))
     light('SPOT', 1500, (1.8, -1.2, 3.2), (0.0, 0.0, 0.2), shadow_soft_size=0.1, spot_size=0.7, spot_blend=0.3)
