@@ -5,7 +5,7 @@ import bpy
 
 from .. import nodes
 from . import plot
-from .base import is_ours
+from .base import StokesPanel, is_ours
 
 # What the operator sets on a fresh node of the Add menu, so that it shows something at once.
 _FIRST_LOOK = {"fluorescent": {"dye": "fluorescein_basic-ethanol"}}
@@ -153,56 +153,34 @@ def draw_settings(layout, node):
     plot.draw(layout, node)
 
 
-class STOKES_PT_material_node(bpy.types.Panel):
-    """The same settings in the Material tab, for whoever works without the node editor."""
+class NodesPanel(StokesPanel):
+    """The same settings in the tab of what the nodes belong to, for whoever works without the node
+    editor. `owner` is its name in the context."""
 
     bl_label = "Stokes Nodes"
     bl_space_type = 'PROPERTIES'
     bl_region_type = 'WINDOW'
-    bl_context = "material"
-    COMPAT_ENGINES = {'STOKES'}
 
     @classmethod
     def poll(cls, context):
-        return is_ours(context) and context.material and any(_stokes_nodes(context.material))
+        owner = getattr(context, cls.owner, None)
+        return is_ours(context) and owner is not None and any(_stokes_nodes(owner))
 
     def draw(self, context):
-        draw_all_settings(self.layout, context.material)
+        for node in _stokes_nodes(getattr(context, self.owner)):
+            draw_settings(self.layout.box(), node)
 
 
-class STOKES_PT_light_node(bpy.types.Panel):
-    bl_label = "Stokes Nodes"
-    bl_space_type = 'PROPERTIES'
-    bl_region_type = 'WINDOW'
-    bl_context = "data"
-    COMPAT_ENGINES = {'STOKES'}
-
-    @classmethod
-    def poll(cls, context):
-        return is_ours(context) and context.light and any(_stokes_nodes(context.light))
-
-    def draw(self, context):
-        draw_all_settings(self.layout, context.light)
+class STOKES_PT_material_node(NodesPanel, bpy.types.Panel):
+    bl_context = owner = "material"
 
 
-class STOKES_PT_world_node(bpy.types.Panel):
-    bl_label = "Stokes Nodes"
-    bl_space_type = 'PROPERTIES'
-    bl_region_type = 'WINDOW'
-    bl_context = "world"
-    COMPAT_ENGINES = {'STOKES'}
-
-    @classmethod
-    def poll(cls, context):
-        return is_ours(context) and context.world and any(_stokes_nodes(context.world))
-
-    def draw(self, context):
-        draw_all_settings(self.layout, context.world)
+class STOKES_PT_light_node(NodesPanel, bpy.types.Panel):
+    bl_context, owner = "data", "light"
 
 
-def draw_all_settings(layout, owner):
-    for node in _stokes_nodes(owner):
-        draw_settings(layout.box(), node)
+class STOKES_PT_world_node(NodesPanel, bpy.types.Panel):
+    bl_context = owner = "world"
 
 
 def _stokes_nodes(owner):
