@@ -1,6 +1,7 @@
 """The zip: installs as users install it, finds its own core, renders.
 Skipped where the core is not built."""
 
+import re
 import subprocess
 import sys
 import zipfile
@@ -56,6 +57,10 @@ else:
     bpy.ops.preferences.addon_enable(module="stokes")
 names = [name for name in bpy.context.preferences.addons.keys() if name.split(".")[-1] == "stokes"]
 print("TOLD add-ons", names)
+exec(IMPORT_NEW if bpy.app.version >= (4, 2, 0) else IMPORT)  # as the README says
+material = bpy.data.materials.new("Glow")
+material.use_nodes = True
+print("TOLD kind", addon.nodes.new(material.node_tree, "fluorescent").stokes.kind)
 scene = bpy.context.scene
 scene.render.engine = 'STOKES'
 scene.stokes.samples = 4
@@ -70,7 +75,10 @@ print("TOLD core", core, os.access(core, os.X_OK))
 
 def test_the_zip_installs_and_renders_with_its_own_core(host, archive, tmp_path):
     script = tmp_path / "install.py"
-    script.write_text(INSTALL)
+    said = (ROOT / "README.md").read_text(encoding="utf-8")
+    (plain,) = re.findall("`(import stokes as addon)`", said)
+    (extension,) = re.findall("`(from bl_ext.* import stokes as addon)`", said)
+    script.write_text(INSTALL.replace("IMPORT_NEW", repr(extension)).replace("IMPORT", repr(plain)))
     environment = {
         "PATH": "/usr/bin:/bin",
         "HOME": str(tmp_path),
@@ -92,3 +100,4 @@ def test_the_zip_installs_and_renders_with_its_own_core(host, archive, tmp_path)
     assert (
         "TOLD core " + str(tmp_path / "user") in done.stdout and "/bin/stokes True" in done.stdout
     ), done.stdout
+    assert "TOLD kind fluorescent" in done.stdout, done.stdout
