@@ -374,7 +374,7 @@ def stream_settings(scene, viewport=False, preview=False):
     message["lanes"] = int(message["lanes"])
     if settings.animate_seed:
         message["seed"] = (settings.seed + scene.frame_current) % (1 << 31)
-    message["filter_width"] = _decimal(scene.render.filter_size)
+    message["filter_width"] = min(99.0, max(0.02, _decimal(scene.render.filter_size)))
     message["film_transparent"] = scene.render.film_transparent
     fixed = scene.render.threads_mode == 'FIXED'
     message["threads"] = scene.render.threads if fixed else 0

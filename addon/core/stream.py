@@ -65,11 +65,16 @@ def encode(message, members, place=None, mandatory=True):
         text = text.encode("utf-8")
         name = message.encode("ascii")
     except (TypeError, ValueError) as error:
-        raise StreamError("%s: %s: %s" % (message, members.get("name", ""), error)) from error
+        why = "holds a number that is not finite" if type(error) is ValueError else str(error)
+        raise StreamError(_line(message, members, why)) from error
     if len(name) >= 24 or len(text) > JSON_LIMIT or area > BLOB_LIMIT:
-        raise StreamError("%s: %s: too large for a frame" % (message, members.get("name", "")))
+        raise StreamError(_line(message, members, "too large for a frame"))
     head = HEAD.pack(MAGIC, MANDATORY if mandatory else 0, name, len(text), area)
     return [head, text, bytes(padded(len(text)) - len(text))] + parts
+
+
+def _line(message, members, text):
+    return ": ".join(part for part in (message, members.get("name"), text) if part)
 
 
 def decode(buffer, start=0):

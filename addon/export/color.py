@@ -18,7 +18,7 @@ def send_color(context):
         view=view.view_transform,
         look="" if view.look == 'None' else view.look,
         exposure=view.exposure,
-        gamma=view.gamma,
+        gamma=max(view.gamma, 1e-3),  # Blender allows 0
     )
 
 

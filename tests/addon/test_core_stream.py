@@ -99,6 +99,11 @@ def test_what_json_cannot_carry_names_the_message_and_the_object(value):
         stream.encode("light", {"name": "Lamp", "emission": value})
 
 
+def test_a_number_that_is_not_finite_is_called_so_also_where_nothing_has_a_name():
+    with pytest.raises(stream.StreamError, match="^camera: holds a number that is not finite$"):
+        stream.encode("camera", {"transform": [float("nan")]})
+
+
 def test_a_scene_of_three_lines_needs_no_blender(tmp_path):
     script = (
         "import sys; sys.modules['bpy'] = None\n"  # importing bpy fails

@@ -189,17 +189,20 @@ tell([[light["kind"], light["transform"][2::4]] for light in messages(render_fra
 
 
 def test_the_colour_config_is_the_running_blenders_and_white_is_d65(host, tmp_path):
-    color, settings = host.run(
+    color, settings, least_gamma = host.run(
         """
 scene = empty_scene()
 scene.view_settings.exposure = 1.5
 scene.render.filter_size = 2
 scene.render.film_transparent = True
 frames = render_frames()
-tell([messages(frames, "color")[0], messages(frames, "settings")[0]])
+scene.view_settings.gamma = 0
+told = [messages(frames, "color")[0], messages(frames, "settings")[0]]
+tell([*told, messages(render_frames(), "color")[0]["gamma"]])
 """,
         tmp_path,
     )
+    assert color["gamma"] == 1 and 0 < least_gamma < 0.01  # 0 is no exponent
     assert (
         color["config"].endswith("config.ocio")
         and "ocio_profile_version" in open(color["config"]).read()

@@ -171,6 +171,9 @@ def offer(what):
 for name in properties.PRESETS:
     bpy.ops.stokes.preset(name=name)
     offer(name)
+for width in (0, 500):
+    bpy.context.scene.render.filter_size = width
+    offer(["filter_size", width])
 for prop in settings.bl_rna.properties:
     if prop.type in {'INT', 'FLOAT'}:
         ends = [prop.hard_min, prop.hard_max]
