@@ -13,6 +13,9 @@ KINDS = (
 )
 
 
+SHORTEST_NM = 50.0  # below that there is no light that a scene may carry
+
+
 class SpectrumFileError(Exception):
     pass
 
@@ -39,6 +42,12 @@ def parse(text, column=1):
     for (x0, _y0), (x1, _y1) in zip(table, table[1:]):
         if x0 == x1:
             raise SpectrumFileError("wavelength %g stands twice" % x0)
+    if table[0][0] <= 0:
+        raise SpectrumFileError("wavelength %g is not above 0" % table[0][0])
+    if table[-1][0] < SHORTEST_NM:
+        raise SpectrumFileError(
+            "wavelengths end at %g: they are wanted in nm, not in µm" % table[-1][0]
+        )
     if not all(abs(number) < 1e30 for row in table for number in row):
         raise SpectrumFileError("a value is not finite")
     return table

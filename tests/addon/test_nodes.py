@@ -147,6 +147,8 @@ tell([told, before == (len(tree.nodes), len(bpy.data.node_groups))])
 def test_a_table_is_read_whatever_parts_its_columns_and_stays_in_the_file(host, tmp_path):
     (tmp_path / "good.csv").write_text("nm;percent;other\n# a title\n700;50;1\n400;10;2\n\n500,5;90;3\n".replace(",5", ""))
     (tmp_path / "twice.csv").write_text("400 1\n400 2\n")
+    (tmp_path / "micrometres.csv").write_text("0.4 1\n0.7 2\n")
+    (tmp_path / "negative.csv").write_text("-400 1\n700 2\n")
     found = tell(host, tmp_path, """
 from addon.nodes import spectrum_file
 made = nodes.new(tree, "spectrum_file", percent=True)
@@ -157,14 +159,17 @@ os.remove(settings.filepath)
 told.append(len(spectrum_file.table_of(settings)))
 settings.filepath = os.path.join(TMP, "twice.csv")
 told += [settings.problem, spectrum_file.table_of(settings)]
-settings.filepath = os.path.join(TMP, "missing.csv")
-told.append(settings.problem)
+for name in ("missing", "micrometres", "negative"):
+    settings.filepath = os.path.join(TMP, name + ".csv")
+    told.append(settings.problem)
 tell(told)
 """)
     assert found[0] == [[400, pytest.approx(0.1)], [500, pytest.approx(0.9)], [700, pytest.approx(0.5)]]
     assert found[1] == "" and found[2] == 3
     assert found[3] == "wavelength 400 stands twice" and found[4] == []
     assert found[5] == "No such file or directory"
+    assert found[6] == "wavelengths end at 0.7: they are wanted in nm, not in µm"
+    assert found[7] == "wavelength -400 is not above 0"
 
 
 @oldest_and_newest
