@@ -156,6 +156,7 @@ _SAME_IN_STREAM = (
     "shrink",
     "kernel",
     "mollify_side",
+    "light_paths",
     "max_path",
     "max_camera",
     "max_light",
@@ -282,6 +283,18 @@ class StokesSettings(bpy.types.PropertyGroup):
     )
 
     # Light paths
+    light_paths: FloatProperty(
+        name="From the Lights",
+        description="Paths traced from the lights for each one from the camera. 0: as many as pay in this scene "
+        "with exact bidirectional path tracing, one with the mollified. Fewer suit open scenes, more suit "
+        "caustics",
+        default=0.0,
+        min=0.0,
+        soft_max=4.0,
+        max=64.0,
+        precision=2,
+        step=25,
+    )
     max_path: IntProperty(
         name="Total",
         description="Longest path from a light to the camera, in segments",

@@ -90,6 +90,10 @@ class STOKES_PT_light_paths(RenderPanel, bpy.types.Panel):
     def draw(self, context):
         settings = context.scene.stokes
         column = column_of(self.layout)
+        row = column.row()
+        row.active = settings.integrator in {'bdpt', 'mbdpt'}
+        row.prop(settings, "light_paths")
+        column.separator()
         for names in (
             ("max_path", "max_camera", "max_light"),
             ("max_diffuse", "max_glossy", "max_transmission", "max_volume", "max_transparent"),

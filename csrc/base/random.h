@@ -58,6 +58,12 @@ static inline struct random_path random_path(uint32_t seed, uint32_t pixel, uint
                                 random_reverse(sample)};
 }
 
+/* Another path with the same pixel and sample. */
+static inline struct random_path random_branch(struct random_path path, uint32_t branch)
+{
+    return (struct random_path){random_mix(path.key ^ (uint64_t)branch << 40), path.reversed_sample};
+}
+
 /* Uniform in [0, 1), 24 bits. */
 static inline float random_at(struct random_path path, uint32_t dimension)
 {

@@ -30,6 +30,8 @@ static const char help[] =
     "                           pieces of glass; the report says how much light they bring\n"
     "      --d0 NM              half-width of the first sample's spectral kernel\n"
     "      --shrink S           its exponent: the n-th sample has d0 n^-S\n"
+    "      --light-paths N      light sub-paths of a sample, on average, up to 64; 0: as many as pay in this\n"
+    "                           scene (bdpt), or 1. The camera sees all; one at most is connected to its own\n"
     "      --spectral-bins N[:A:B]  spectral bins in the EXR, over A to B nm (default: the visible part of "
     "the\n"
     "                           scene's range); 0: none\n"
@@ -113,6 +115,7 @@ enum {
     OPTION_MAX_PATH,
     OPTION_D0,
     OPTION_SHRINK,
+    OPTION_LIGHT_PATHS,
     OPTION_BINS,
     OPTION_CONNECTABLE_ONLY,
     OPTION_SHARED_WAVELENGTH,
@@ -135,6 +138,7 @@ static const struct option options[] = {
     {"lanes", required_argument, NULL, OPTION_LANES},
     {"d0", required_argument, NULL, OPTION_D0},
     {"shrink", required_argument, NULL, OPTION_SHRINK},
+    {"light-paths", required_argument, NULL, OPTION_LIGHT_PATHS},
     {"spp", required_argument, NULL, 's'},
     {"spectral-bins", required_argument, NULL, OPTION_BINS},
     {"seed", required_argument, NULL, OPTION_SEED},
@@ -212,6 +216,7 @@ static bool read_option(int option, struct job *job)
     case OPTION_LANES: return read_int(optarg, &o->lanes);
     case OPTION_D0: return cli_number(optarg, 0, 1e6, &o->d0_nm);
     case OPTION_SHRINK: return cli_number(optarg, 0, 1, &o->shrink);
+    case OPTION_LIGHT_PATHS: return cli_number(optarg, 0, 64, &o->light_paths);
     case OPTION_BINS: return read_bins(optarg, o);
     case OPTION_SEED: return cli_whole(optarg, 0, UINT32_MAX, &o->seed);
     case OPTION_SNAPSHOTS: job->snapshots = true; return true;

@@ -63,6 +63,7 @@ typedef struct stokes_overrides {
     int threads;                  /* 0: all processors */
     double d0_nm, shrink;
     const char *kernel; /* "constant", … */
+    double light_paths; /* of each sample; 0: as many as pay */
     int spectral_bins; /* 0: none */
     double bins_min_nm, bins_max_nm;
     const char *techniques; /* "2,2 3,1", NULL: the scene's own */

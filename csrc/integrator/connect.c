@@ -218,6 +218,13 @@ static void connect_camera(const struct integrator *it, struct worker *w, int s)
         join(it, w, &m, &w->light, s, &camera, 1, &sight);
 }
 
+void connect_lenses(const struct integrator *it, struct worker *w)
+{
+    for (int s = 1; s <= w->light.count; s++)
+        if (it->settings.technique[s][1] && (s == 1 || w->light.vertex[s - 1].surface.connects))
+            connect_camera(it, w, s);
+}
+
 void connect_all(const struct integrator *it, struct worker *w)
 {
     const struct integrator_settings *settings = &it->settings;
@@ -231,7 +238,5 @@ void connect_all(const struct integrator *it, struct worker *w)
             if (settings->technique[s][t] && w->camera.vertex[t - 1].surface.connects &&
                 w->light.vertex[s - 1].surface.connects)
                 join(it, w, &m, &w->light, s, &w->camera, t, &w->sight[(s - 1) * PATH_VERTICES + t - 1]);
-    for (int s = 1; s <= w->light.count; s++)
-        if (settings->technique[s][1] && (s == 1 || w->light.vertex[s - 1].surface.connects))
-            connect_camera(it, w, s);
+    connect_lenses(it, w);
 }

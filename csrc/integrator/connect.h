@@ -8,4 +8,7 @@
 /* All connections that worker->light and worker->camera offer; to worker->gathered, or splatted for t = 1. */
 void connect_all(const struct integrator *, struct worker *);
 
+/* Of them those of worker->light that the camera sees (t = 1). */
+void connect_lenses(const struct integrator *, struct worker *);
+
 #endif

@@ -52,7 +52,7 @@ static double meeting_survives(const struct integrator *it, struct worker *w, co
             any = true;
             sum += w->power[SIDE_LIGHT][y] * w->power[SIDE_CAMERA][x] * joint.geometry;
         }
-    return any ? roulette(it, w, (double)(sum * per_nm) * roulette_white(it)) : 0;
+    return any ? roulette(it, w, (double)(sum * per_nm) / technique_rate(it, 2, 2) * roulette_white(it)) : 0;
 }
 
 static void join_groups(const struct integrator *it, struct worker *w, const struct group *light,
@@ -288,8 +288,9 @@ static void connect_lights(const struct integrator *it, struct worker *w, const 
 }
 
 static void connect_lenses(const struct integrator *it, struct worker *w, const struct group groups[],
-                           int count, uint32_t dimension)
+                           int count)
 {
+    const uint32_t dimension = DIM_CONNECT + (uint32_t)GROUPS_MAX * (GROUPS_MAX + 1);
     connect_lens(it, w, NULL, NULL, 0); /* the light itself, seen by the camera */
     for (int i = 0; i < count; i++) {
         struct lit_run lit;
@@ -299,6 +300,13 @@ static void connect_lenses(const struct integrator *it, struct worker *w, const 
         for (int y = groups[i].first; y < groups[i].end; y++)
             connect_lens(it, w, &groups[i], &lit, y);
     }
+}
+
+void exact_see_lights(const struct integrator *it, struct worker *w)
+{
+    struct group groups[GROUPS_MAX];
+    if (w->light.count > 0)
+        connect_lenses(it, w, groups, runs_list(&w->light, groups));
 }
 
 void exact_connect_all(const struct integrator *it, struct worker *w)
@@ -313,7 +321,7 @@ void exact_connect_all(const struct integrator *it, struct worker *w)
             join_groups(it, w, &of_light[y], &of_camera[x],
                         DIM_CONNECT + (uint32_t)x * (GROUPS_MAX + 1) + (uint32_t)y);
     if (w->light.count > 0)
-        connect_lenses(it, w, of_light, lights, DIM_CONNECT + (uint32_t)GROUPS_MAX * (GROUPS_MAX + 1));
-    if (it->meets)
+        connect_lenses(it, w, of_light, lights);
+    if (it->meets && w->light_paths > 0)
         connect_copies(it, w, of_camera, cameras);
 }

@@ -8,4 +8,7 @@
 /* All connections that worker->light and worker->camera offer, and where both sides disperse those of a second light sub-path. */
 void exact_connect_all(const struct integrator *, struct worker *);
 
+/* Of them those of worker->light that the camera sees (t = 1). */
+void exact_see_lights(const struct integrator *, struct worker *);
+
 #endif

@@ -101,6 +101,9 @@ static bool check_settings(const struct integrator_settings *s, stokes_error *er
         return fail(err, "settings", "max_path, max_camera, max_light",
                     "%d, %d, %d are not within 0 to %d edges", s->max_path, s->max_camera, s->max_light,
                     PATH_EDGES_MAX);
+    if (!(s->light_paths >= 0) || !(s->light_paths <= LIGHT_PATHS_MAX))
+        return fail(err, "settings", "light_paths", "%g is not within 0 to %d", s->light_paths,
+                    LIGHT_PATHS_MAX);
     if (s->lanes != 1 && s->lanes != 4 && s->lanes != 8)
         return fail(err, "settings", "lanes", "%d is not 1, 4 or 8", s->lanes);
     return true;
@@ -196,15 +199,17 @@ struct integrator *integrator_create(const struct integrator_settings *settings,
     it->has_volumes = scene_has_volumes(scene);
     scene_camera_size(scene, it->full, it->border);
     it->lanes = settings->lanes;
+    it->light_paths = settings->light_paths > 0 ? settings->light_paths : 1;
     choose_techniques(it, kind);
     it->cuts = name_cuts(&it->settings);
     if (!wavelengths_create(&it->wavelengths, settings, scene, err) || !create_workers(it, err)) {
         integrator_destroy(it);
         return NULL;
     }
-    if (settings->shared_wavelength && (it->exact || it->lanes > 1 || it->wavelengths.fluorophores > 0)) {
+    if (settings->shared_wavelength &&
+        (it->exact || it->lanes > 1 || it->light_paths != 1 || it->wavelengths.fluorophores > 0)) {
         fail(err, "settings", "shared_wavelength",
-             "is for mbdpt, one lane, and a scene without fluorescence");
+             "is for mbdpt, one lane, one light path, and a scene without fluorescence");
         integrator_destroy(it);
         return NULL;
     }
@@ -238,13 +243,23 @@ bool integrator_splats(const struct integrator *it)
     return it->splats;
 }
 
-void integrator_sample(struct integrator *it, int worker, int x, int y, int sample)
+/* Light sub-paths beyond the first are seen by the camera, and that is all. */
+static void trace_lights(const struct integrator *it, struct worker *w, const struct random_path *random)
 {
-    struct worker *w = &it->worker[worker];
+    void (*see)(const struct integrator *, struct worker *) = it->exact ? exact_see_lights : connect_lenses;
+    for (int i = 1; i < w->light_paths; i++) {
+        w->random = random_branch(*random, (uint32_t)i);
+        w->light.count = 0;
+        path_trace_light(it, w);
+        see(it, w);
+    }
+}
+
+void integrator_trace(const struct integrator *it, struct worker *w, int x, int y, uint32_t seed, int sample)
+{
     const struct integrator_settings *settings = &it->settings;
     bool inside = x >= it->border[0] && x < it->border[2] && y >= it->border[1] && y < it->border[3];
-    w->random =
-        random_path(settings->seed, (uint32_t)y * (uint32_t)it->full[0] + (uint32_t)x, (uint32_t)sample);
+    w->random = random_path(seed, (uint32_t)y * (uint32_t)it->full[0] + (uint32_t)x, (uint32_t)sample);
     w->half_width_nm = (float)(settings->d0_nm * pow(sample + 1, -settings->shrink));
     w->reach_nm = 1 / (double)kernel_density(settings->kernel, 550, 550, w->half_width_nm);
     w->camera.count = w->light.count = w->copy.count = 0;
@@ -259,7 +274,10 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
         path_trace_camera(it, w, (float)x + 0.5f + film_filter_sample(width, random_at(w->random, DIM_FILM)),
                           (float)y + 0.5f + film_filter_sample(width, random_at(w->random, DIM_FILM + 1)));
     }
-    if (it->traces_light && (inside || it->splats))
+    w->light_paths = it->traces_light && (inside || it->splats)
+                         ? (int)(it->light_paths + (double)random_at(w->random, DIM_LIGHT_PATHS))
+                         : 0;
+    if (w->light_paths > 0)
         path_trace_light(it, w);
     if (w->camera.count > 1 || w->hole > 0)
         w->gathered.alpha = 1 - w->hole;
@@ -267,7 +285,17 @@ void integrator_sample(struct integrator *it, int worker, int x, int y, int samp
         w->gathered.alpha = w->veil;
     if (it->connects)
         (it->exact ? exact_connect_all : connect_all)(it, w);
-    if (inside)
+    if (it->splats && w->light_paths > 1) {
+        struct random_path random = w->random;
+        trace_lights(it, w, &random);
+    }
+}
+
+void integrator_sample(struct integrator *it, int worker, int x, int y, int sample)
+{
+    struct worker *w = &it->worker[worker];
+    integrator_trace(it, w, x, y, it->settings.seed, sample);
+    if (x >= it->border[0] && x < it->border[2] && y >= it->border[1] && y < it->border[3])
         film_add(it->film, x, y, &w->gathered);
     w->all += w->gathered.xyz[0] + w->gathered.xyz[1] + w->gathered.xyz[2];
 }

@@ -9,6 +9,7 @@
 /* Paths have at most this many edges. */
 #define PATH_EDGES_MAX 32
 #define TECHNIQUES_MAX (PATH_EDGES_MAX + 2)
+#define LIGHT_PATHS_MAX 64
 
 /* Unit and range beside each; defaults in integrator_settings_default, and in STREAM.md. */
 struct integrator_settings {
@@ -18,6 +19,7 @@ struct integrator_settings {
     double d0_nm, shrink; /* d_n = d0 n^(−shrink) */
     enum kernel kernel;
     enum side mollify_side;
+    double light_paths; /* light sub-paths of a sample, on average; 0: as many as pay (bdpt), 1 (others) */
     int max_path, max_camera, max_light; /* edges */
     int max_diffuse, max_glossy, max_transmission, max_volume, max_transparent;
     int roulette_start;
@@ -43,6 +45,13 @@ struct integrator *integrator_create(const struct integrator_settings *, const s
                                      stokes_error *err);
 void integrator_destroy(struct integrator *);
 const char *integrator_name_at(size_t index); /* NULL past the end */
+
+/* Decides what the settings leave open, by tracing a few samples of its own: some tenths of a second. Ends early once `stop` (may be
+   NULL) says so. What it decides depends on scene and settings but the seed. */
+void integrator_prepare(struct integrator *, bool (*stop)(void *user), void *user);
+
+/* Light sub-paths of a sample, on average; 0 if it has none. */
+double integrator_light_paths(const struct integrator *);
 
 /* Traces global sample `sample` (from 0; n = sample + 1) of pixel (x, y) of the full frame and adds it to the film. A pixel outside
    the border traces only what may splat into it. Thread-safe for different workers. */

@@ -264,7 +264,8 @@ bool joint_survives(const struct integrator *it, struct worker *w, struct joint 
                     const double density[LANES_MAX], const float lambda_film[LANES_MAX])
 {
     const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
-    double sum = 0, common = joint->owed * (double)(joint->geometry * reach(y) * reach(x));
+    double owed = joint->owed / technique_rate(it, joint->s, joint->t);
+    double sum = 0, common = owed * (double)(joint->geometry * reach(y) * reach(x));
     if (joint->t < 2)
         return true;
     for (int i = 0; i < joint->lanes; i++)
@@ -299,17 +300,22 @@ static void observe(const struct integrator *it, const struct worker *w, const s
     }
 }
 
+/* Its ends, its shadow ray and its weight, in edges traced. */
+static const double work_of_connection = 0.7;
+
 void joint_contribute(const struct integrator *it, struct worker *w, struct joint *joint,
                       const double density[LANES_MAX], const float lambda_film[LANES_MAX], const int splat[2])
 {
     const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
-    double value[LANES_MAX], weight[LANES_MAX], common = joint->owed * (double)joint->geometry;
+    double value[LANES_MAX], weight[LANES_MAX], seen = 0;
+    double common = joint->owed / technique_rate(it, joint->s, joint->t) * (double)joint->geometry;
     for (int i = 0; i < joint->lanes; i++)
         value[i] = common * y->at->throughput[i] * y->steps.value[i] * x->steps.value[i] *
                    x->at->throughput[i] / (density ? density[i] * joint->lanes : joint->lanes);
     if (!(lanes_sum(value, joint->lanes) > 0))
         return;
     attenuate(it, joint, value);
+    w->trial.work += work_of_connection;
     if (!(lanes_sum(value, joint->lanes) > 0))
         return;
     joint_name_run(it, joint);
@@ -321,12 +327,16 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
         value[i] *= weight[i];
         if (!(value[i] > 0) || !isfinite(value[i]))
             value[i] = 0;
+        else if (splat && w->trial.is_on)
+            seen += value[i] * roulette_color(it, lambda_film[i]);
         else if (splat)
             film_splat(it->film, splat[0], splat[1], value[i], lambda_film[i], it->kappa);
         else
             film_sample_add(it->film, &w->gathered, value[i], lambda_film[i], it->kappa);
         w->taken += splat ? 0 : value[i];
     }
+    w->trial.splats += seen;
+    w->trial.squares += seen * seen;
     if (it->observe)
         observe(it, w, joint, value, weight);
 }

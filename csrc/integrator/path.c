@@ -134,6 +134,7 @@ static void extend(const struct integrator *it, struct worker *w, enum side side
         if (!fly(it, w, side, f, next) || !arrive(it, prev, next, f->ray.direction, f->passed))
             return;
         path->count++;
+        w->trial.work++;
     }
 }
 

@@ -125,6 +125,7 @@ enum dimension {
     DIM_LIGHT_LAMBDA = 11,
     DIM_LIGHT_DIRECTION = 12, /* 2 */
     DIM_LIGHT_LEADER = 14,
+    DIM_LIGHT_PATHS = 15,
     /* DIMS_PER_STEP for each surface that a segment meets, PASSES_MAX of them a step. */
     DIM_CAMERA_STEP = 1 << 8,
     DIM_LIGHT_STEP = 1 << 16,
@@ -160,9 +161,17 @@ struct strand; /* relight.h */
 struct sight;  /* joint.h */
 struct haze;   /* joint.h */
 
+/* A worker's samples before the render (pilot.h). */
+struct trial {
+    bool is_on;             /* splats count here, and not in the film */
+    double splats, squares; /* sums of them and of their squares, X+Y+Z and bins */
+    double work;            /* of everything, in edges traced */
+};
+
 /* One worker's memory and the state of the path that it traces. */
 struct worker {
     struct subpath camera, light, copy;
+    int light_paths;                   /* of this sample */
     uint32_t sightings;                /* emitters met by this camera sub-path */
     uint32_t spins;                    /* of roulette on connections, in this sample */
     double taken;                      /* what the sample has gathered so far, in all its bins alike */
@@ -179,6 +188,7 @@ struct worker {
     struct sight *sight;          /* PATH_VERTICES²: edges between the two sub-paths, once looked at */
     struct haze *haze;            /* of those edges; NULL without volumes */
     uint32_t stamp;               /* of the sights that belong to this sample */
+    struct trial trial;
 };
 
 struct full_path; /* mis.h */
@@ -199,8 +209,10 @@ struct integrator {
     double kappa;
     int full[2], border[4];
     bool traces_camera, traces_light, connects, splats;
-    bool meets; /* some technique has s ≥ 2 and t ≥ 2 */
-    bool exact; /* connections by exact.c instead of the mollified table */
+    bool meets;         /* some technique has s ≥ 2 and t ≥ 2 */
+    bool exact;         /* connections by exact.c instead of the mollified table */
+    double light_paths; /* light sub-paths of a sample, on average */
+    double typical;     /* X+Y+Z (and bins) of a pixel, on average, as far as it is known; else 0 */
     enum cuts cuts;
     int lanes; /* 1, 4 or 8 */
     bool has_volumes;
@@ -212,6 +224,9 @@ struct integrator {
     void (*observe)(void *observer, const struct full_path *, double value);
     void *observer;
 };
+
+/* All of a sample, but that what the camera gathered stays in worker->gathered. */
+void integrator_trace(const struct integrator *, struct worker *, int x, int y, uint32_t seed, int sample);
 
 /* Grows the camera sub-path from film point (x, y), and adds what its rays see of emitters (s = 0) to worker->gathered. */
 void path_trace_camera(const struct integrator *, struct worker *, float x, float y);
@@ -232,6 +247,13 @@ static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)
     case VERTEX_SURFACE: return v->in_volume ? 1 : fabsf(dot(v->hit.ng, direction));
     }
     return 0;
+}
+
+/* How many of a technique a sample has on average: all light sub-paths are seen by the camera, but only the first is connected to its
+   sub-path (algorithm.md §15). */
+static inline double technique_rate(const struct integrator *it, int s, int t)
+{
+    return t == 1 ? it->light_paths : s >= 2 ? fmin(it->light_paths, 1) : 1;
 }
 
 /* Density with which a light sub-path draws its first wavelength; 1 where it shares the camera's. */

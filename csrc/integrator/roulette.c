@@ -4,12 +4,13 @@
 
 /* Estimates take surfaces for white and weights for 1: what comes in the end is some ten times less. */
 static const double share = 0.6;
+static const double share_of_typical = 0.3; /* of a pixel as they are on average, for a sample that has gathered little */
 static const double chance_min = 0.1;
 
 double roulette(const struct integrator *it, struct worker *w, double estimate)
 {
     const double *xyz = w->gathered.xyz, bins = it->film->bins ? it->kappa * w->taken : 0;
-    double enough = share * (xyz[0] + xyz[1] + xyz[2] + bins);
+    double enough = fmax(share * (xyz[0] + xyz[1] + xyz[2] + bins), share_of_typical * it->typical);
     if (!(estimate < enough))
         return 1;
     double chance = fmax(chance_min, estimate / enough);

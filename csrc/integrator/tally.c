@@ -195,10 +195,13 @@ void tally_pass(const struct integrator *it, const struct worker *w, enum side s
 {
     struct passing p = {.label = v->label, .disperses = v->disperses, .lanes = there->lanes};
     struct tally *q = &there->tally;
+    /* The next edge as a cut, s or t = 1 if this is its side's end, of a path that goes on beyond it. */
+    double rate = technique_rate(it, side == SIDE_LIGHT && v->kind == VERTEX_LIGHT ? 1 : 2,
+                                 side == SIDE_CAMERA && v->kind == VERTEX_CAMERA ? 1 : 2);
     through(it, w, side, v, here, p, v->lobe, from, steps, q);
     for (int i = 0; i < there->lanes; i++) {
         double inverse = steps->pdf[i] > 0 ? 1 / (double)steps->pdf[i] : 0;
-        there->seam[i] = v->kind == VERTEX_SURFACE && v->label == LABEL_SPECULAR ? 0 : inverse;
+        there->seam[i] = v->kind == VERTEX_SURFACE && v->label == LABEL_SPECULAR ? 0 : rate * inverse;
         q->closed[i] *= inverse;
         q->open[i] *= inverse;
         q->near[i] *= inverse;
@@ -277,11 +280,11 @@ static void weigh_exact(const struct integrator *it, const struct joint *j, cons
                         const struct part *x, double weight[LANES_MAX])
 {
     const struct joint_end *end_y = &j->end[SIDE_LIGHT], *end_x = &j->end[SIDE_CAMERA];
-    double product[LANES_MAX], copy = copy_chance(it, j->dyes);
+    double product[LANES_MAX], copy = copy_chance(it, j->dyes), rate = technique_rate(it, j->s, j->t);
     product_densities(it, j->source, j->sink, j->lanes, j->lambda, product);
     for (int i = 0; i < j->lanes; i++) {
         double draw_y = end_y->draw[i], draw_x = end_x->draw[i], copied = over(copy, draw_y);
-        double link = exact_link(y, x, product[i], draw_y, draw_x, copy) / (double)j->geometry;
+        double link = exact_link(y, x, product[i], draw_y, draw_x, copy) * rate / (double)j->geometry;
         double others =
             end_x->across * (double)end_x->steps.pdf[i] * close(y, x, i, product[i], draw_x, copied, copy) +
             end_y->across * (double)end_y->steps.pdf[i] * close(x, y, i, product[i], draw_y, copied, copy);
@@ -302,7 +305,7 @@ static void weigh_mollified(const struct integrator *it, const struct worker *w,
         for (int i = 0; i < j->lanes; i++)
             link[i] = y->is_start || x->is_start ? 1 : w->reach_nm;
     for (int i = 0; i < j->lanes; i++) {
-        double own = link[i] / (double)j->geometry;
+        double own = link[i] * technique_rate(it, j->s, j->t) / (double)j->geometry;
         double others = end_x->across * (double)end_x->steps.pdf[i] * y->q.closed[i] +
                         end_y->across * (double)end_y->steps.pdf[i] * x->q.closed[i];
         weight[i] = over(own, own + others);
@@ -338,8 +341,10 @@ void tally_weigh_sighting(const struct integrator *it, const struct worker *w, c
     bool connects = it->cuts != CUTS_ONE && (edges > 1 || (it->cuts == CUTS_ALL && !light->distant &&
                                                            scene_light_seen_by_camera(it->scene, light)));
     struct arrival here = *at;
+    double rate =
+        technique_rate(it, 1, edges) / technique_rate(it, 2, edges); /* tally_pass took it for s = 2 */
     for (int i = 0; i < it->lanes; i++)
-        here.seam[i] = connects ? at->seam[i] / geometry : 0;
+        here.seam[i] = connects ? at->seam[i] * rate / geometry : 0;
     if (it->has_volumes)
         tally_cross(&here, ahead, behind, it->lanes);
     if (it->exact)

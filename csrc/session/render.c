@@ -12,7 +12,7 @@ static bool pick_samples(struct render *render, const stokes_overrides *o, stoke
     return fail(err, "render", "samples", "[%d, %d) is empty", render->first_sample, render->end_sample);
 }
 
-static bool commit_is_cancelled(void *user)
+static bool is_cancelled(void *user)
 {
     const stokes_listener *listener = &((stokes_session *)user)->listener;
     return listener->cancelled && listener->cancelled(listener->user);
@@ -26,7 +26,7 @@ bool session_commit(stokes_session *session, const struct session_settings *sett
         .working_space = session->color.working_space,
         .threads = session_threads(settings),
         .warn = session_warn,
-        .stop = commit_is_cancelled,
+        .stop = is_cancelled,
         .user = session,
     };
     return scene_commit(session->scene, &setup, err);
@@ -63,6 +63,7 @@ static bool prepare(struct render *render, size_t picture_floats, stokes_error *
         integrator_create(s, session->scene, render->pass, render->threads, session_warn, session, err);
     if (!render->integrator)
         return false;
+    integrator_prepare(render->integrator, is_cancelled, session);
     passes_place(render);
     return true;
 }
@@ -112,6 +113,7 @@ bool stokes_session_render(stokes_session *session, const stokes_overrides *over
     session->rendered = render.settings;
     session_fingerprint(session, &session->rendered, session->fingerprint);
     bool good = !committed || trace(&render, picture_floats, err);
+    session->light_paths = render.integrator ? integrator_light_paths(render.integrator) : 0;
     session->unconnected_share = render.integrator ? integrator_unconnected_share(render.integrator) : 0;
     if (good)
         finish(&render);

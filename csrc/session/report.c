@@ -41,6 +41,8 @@ static void report_film(const stokes_session *session, const struct film *film, 
     text_line(out, "time: %.2f s, %.4g samples/s with %d threads", session->seconds,
               session->seconds > 0 ? pixel_samples / session->seconds : 0,
               session_threads(&session->rendered));
+    if (session->light_paths > 0)
+        text_line(out, "paths: %g light sub-paths for each of the camera's", session->light_paths);
     if (session->unconnected_share > 0)
         text_line(out, "paths: %.3g %% of the light came over some that no connection makes",
                   100 * session->unconnected_share);
@@ -110,6 +112,7 @@ void session_fingerprint(const stokes_session *session, const struct session_set
                          settings->uv_rule,  (int)s->seed};
     const double real[] = {s->d0_nm,
                            s->shrink,
+                           s->light_paths,
                            s->lambda_min,
                            s->lambda_max,
                            s->filter_width,

@@ -54,6 +54,7 @@ struct stokes_session {
     double share; /* of the first pass, where only a part of it was traced (film->part) */
     double seconds;
     double unconnected_share; /* of the light, over paths that no connection makes */
+    double light_paths;       /* light sub-paths of a sample; 0: the integrator has none */
     struct text report;
 };
 

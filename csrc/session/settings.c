@@ -61,6 +61,7 @@ bool session_settings_check(const struct session_settings *settings, stokes_erro
            check_range("lambda_max", s->lambda_max, s->lambda_min + LAMBDA_NARROWEST_NM, LAMBDA_HIGHEST_NM,
                        err) &&
            check_range("d0", s->d0_nm, 1e-3, 1e4, err) && check_range("shrink", s->shrink, 0, 1, err) &&
+           check_range("light_paths", s->light_paths, 0, LIGHT_PATHS_MAX, err) &&
            check_range("filter_width", s->filter_width, 0.01, 100, err) && check_edges(s, err) &&
            check_bins(s, err) && check_range("threads", settings->threads, 0, THREADS_MAX, err) &&
            check_range("time_limit", settings->time_limit_s, 0, 1e9, err);
@@ -137,6 +138,8 @@ bool session_settings_override(struct session_settings *settings, const stokes_o
         return false;
     if (o->shrink >= 0)
         s->shrink = o->shrink;
+    if (o->light_paths >= 0)
+        s->light_paths = o->light_paths;
     override_bins(s, o);
     if (o->max_path >= 0)
         s->max_path = o->max_path;
@@ -155,6 +158,7 @@ stokes_overrides stokes_overrides_default(void)
                               .threads = -1,
                               .d0_nm = -1,
                               .shrink = -1,
+                              .light_paths = -1,
                               .spectral_bins = -1,
                               .bins_min_nm = -1,
                               .bins_max_nm = -1,

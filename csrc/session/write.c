@@ -28,10 +28,10 @@ static void describe_settings(const struct session_settings *settings, char *tex
     const struct integrator_settings *s = &settings->integrator;
     snprintf(
         text, bytes,
-        "integrator=%s lanes=%d kernel=%s d0=%g shrink=%g max_path=%d max_camera=%d max_light=%d max_diffuse=%d max_glossy=%d "
+        "integrator=%s lanes=%d kernel=%s d0=%g shrink=%g light_paths=%g max_path=%d max_camera=%d max_light=%d max_diffuse=%d max_glossy=%d "
         "max_transmission=%d max_volume=%d max_transparent=%d roulette_start=%d lambda=%g..%g filter_width=%g "
         "techniques=%s",
-        s->name, s->lanes, kernel_name(s->kernel), s->d0_nm, s->shrink, s->max_path, s->max_camera, s->max_light, s->max_diffuse, s->max_glossy,
+        s->name, s->lanes, kernel_name(s->kernel), s->d0_nm, s->shrink, s->light_paths, s->max_path, s->max_camera, s->max_light, s->max_diffuse, s->max_glossy,
         s->max_transmission, s->max_volume, s->max_transparent, s->roulette_start, (double)s->lambda_min,
         (double)s->lambda_max, (double)s->filter_width, s->all_techniques ? "all" : "some");
 }

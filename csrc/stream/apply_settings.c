@@ -13,6 +13,7 @@ static const struct field settings_fields[] = {
     {"lanes", FIELD_INT, false, AT(integrator.lanes), 0, 0, INT_MAX},
     {"d0", FIELD_DOUBLE, false, AT(integrator.d0_nm), 0, 0, 1e6},
     {"shrink", FIELD_DOUBLE, false, AT(integrator.shrink), 0, 0, 1},
+    {"light_paths", FIELD_DOUBLE, false, AT(integrator.light_paths), 0, 0, LIGHT_PATHS_MAX},
     {"max_path", FIELD_INT, false, AT(integrator.max_path), 0, 0, INT_MAX},
     {"max_camera", FIELD_INT, false, AT(integrator.max_camera), 0, 0, INT_MAX},
     {"max_light", FIELD_INT, false, AT(integrator.max_light), 0, 0, INT_MAX},

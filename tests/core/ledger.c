@@ -137,6 +137,7 @@ static struct integrator_settings settings_of(const struct subject *subject)
     settings.lanes = subject->lanes;
     settings.kernel = subject->kernel;
     settings.shared_wavelength = subject->shared;
+    settings.light_paths = subject->light_paths;
     settings.d0_nm = 4;
     settings.shrink = 0;
     settings.max_path = subject->edges;

@@ -18,6 +18,7 @@ struct subject {
     bool shared;                                      /* in a grey box, one wavelength for both sub-paths */
     struct scene *(*place)(struct range, int pixels); /* with volumes; NULL: a box of boxes.h */
     double sees_error;                                /* of a path length's whole light; 0: 0.025 */
+    double light_paths;                               /* of a sample; 0: 1 */
 };
 
 /* An inner vertex that keeps the wavelength and is no δ. */

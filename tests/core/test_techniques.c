@@ -63,18 +63,35 @@ static void copied_wavelengths_bring_what_a_path_tracer_finds(void **state)
 
 int main(void)
 {
-    static struct subject mbdpt = {"mbdpt", 1, false, false, 5, 32, KERNEL_CONSTANT, false, NULL, 0},
-                          mbdpt_4 = {"mbdpt", 4, false, false, 5, 24, KERNEL_CONSTANT, false, NULL, 0},
-                          mbdpt_inner = {"mbdpt", 8, false, true, 5, 48, KERNEL_CONSTANT, false, NULL, 0},
-                          mbdpt_shared = {"mbdpt", 1, false, false, 5, 24, KERNEL_CONSTANT, true, NULL, 0},
-                          mbdpt_box = {"mbdpt", 8, false, true, 5, 24, KERNEL_BOX, false, NULL, 0},
-                          mbdpt_asymmetric = {"mbdpt",           8,     false, true, 5, 24,
-                                              KERNEL_ASYMMETRIC, false, NULL,  0},
-                          mbdpt_glass = {"mbdpt", 4, true, false, 5, 72, KERNEL_CONSTANT, false, NULL, 0},
-                          bdpt = {"bdpt", 1, false, false, 5, 48, KERNEL_CONSTANT, false, NULL, 0},
-                          bdpt_4 = {"bdpt", 4, false, false, 5, 96, KERNEL_CONSTANT, false, NULL, 0},
-                          bdpt_glass = {"bdpt", 1, true, false, 7, 96, KERNEL_CONSTANT, false, NULL, 0},
-                          bdpt_4_glass = {"bdpt", 4, true, false, 7, 80, KERNEL_CONSTANT, false, NULL, 0};
+    static struct subject
+        mbdpt = {.name = "mbdpt", .lanes = 1, .edges = 5, .samples = 32},
+        mbdpt_4 = {.name = "mbdpt", .lanes = 4, .edges = 5, .samples = 24},
+        mbdpt_inner = {.name = "mbdpt", .lanes = 8, .inner = true, .edges = 5, .samples = 48},
+        mbdpt_shared = {.name = "mbdpt", .lanes = 1, .edges = 5, .samples = 24, .shared = true},
+        mbdpt_box =
+            {.name = "mbdpt", .lanes = 8, .inner = true, .edges = 5, .samples = 24, .kernel = KERNEL_BOX},
+        mbdpt_asymmetric = {.name = "mbdpt",
+                            .lanes = 8,
+                            .inner = true,
+                            .edges = 5,
+                            .samples = 24,
+                            .kernel = KERNEL_ASYMMETRIC},
+        mbdpt_glass = {.name = "mbdpt", .lanes = 4, .lenses = true, .edges = 5, .samples = 72},
+        bdpt = {.name = "bdpt", .lanes = 1, .edges = 5, .samples = 48},
+        bdpt_4 = {.name = "bdpt", .lanes = 4, .edges = 5, .samples = 96},
+        bdpt_glass = {.name = "bdpt", .lanes = 1, .lenses = true, .edges = 7, .samples = 96},
+        bdpt_4_glass = {.name = "bdpt", .lanes = 4, .lenses = true, .edges = 7, .samples = 80},
+        bdpt_4_few =
+            {.name = "bdpt", .lanes = 4, .edges = 5, .samples = 40, .sees_error = 0.05, .light_paths = 0.25},
+        bdpt_glass_many = {.name = "bdpt",
+                           .lanes = 1,
+                           .lenses = true,
+                           .edges = 7,
+                           .samples = 28,
+                           .sees_error = 0.05,
+                           .light_paths = 2.5},
+        mbdpt_4_few = {
+            .name = "mbdpt", .lanes = 4, .edges = 5, .samples = 16, .sees_error = 0.04, .light_paths = 0.5};
     const struct CMUnitTest tests[] = {cmocka_unit_test(copied_wavelengths_bring_what_a_path_tracer_finds),
                                        TEST_OF(mbdpt),
                                        TEST_OF(mbdpt_4),
@@ -86,7 +103,10 @@ int main(void)
                                        TEST_OF(bdpt),
                                        TEST_OF(bdpt_4),
                                        TEST_OF(bdpt_glass),
-                                       TEST_OF(bdpt_4_glass)};
+                                       TEST_OF(bdpt_4_glass),
+                                       TEST_OF(bdpt_4_few),
+                                       TEST_OF(bdpt_glass_many),
+                                       TEST_OF(mbdpt_4_few)};
     if (getenv("STOKES_TEST_ONLY"))
         cmocka_set_test_filter(getenv("STOKES_TEST_ONLY"));
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,9 +11,18 @@
 
 int main(void)
 {
-    static struct subject
-        frosted_bdpt = {"bdpt", 1, false, false, 5, 48, KERNEL_CONSTANT, false, frosted_box_scene, 0.05},
-        frosted_bdpt_4 = {"bdpt", 4, false, false, 5, 24, KERNEL_CONSTANT, false, frosted_box_scene, 0.05};
+    static struct subject frosted_bdpt = {.name = "bdpt",
+                                          .lanes = 1,
+                                          .edges = 5,
+                                          .samples = 48,
+                                          .place = frosted_box_scene,
+                                          .sees_error = 0.05},
+                          frosted_bdpt_4 = {.name = "bdpt",
+                                            .lanes = 4,
+                                            .edges = 5,
+                                            .samples = 24,
+                                            .place = frosted_box_scene,
+                                            .sees_error = 0.05};
     const struct CMUnitTest tests[] = {TEST_OF(frosted_bdpt), TEST_OF(frosted_bdpt_4)};
     if (getenv("STOKES_TEST_ONLY"))
         cmocka_set_test_filter(getenv("STOKES_TEST_ONLY"));

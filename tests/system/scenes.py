@@ -326,9 +326,10 @@ def turned(positions, angle):
     return positions @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
 
 
-def glass_box(path, where, resolution=(32, 32), **settings):
+def glass_box(path, where, resolution=(32, 32), lamp=0.3, looks_down=False, **settings):
     """A box with a fluorescent back wall and one piece of strongly dispersive glass: a block that stands before the wall and reflects
-    totally from within ("block"), a ball about the lamp ("lamp"), or one about the camera ("camera")."""
+    totally from within ("block"), a ball about the lamp ("lamp"), or one about the camera ("camera"). `lamp` is the lamp's radius; a camera that looks down sees the floor
+    alone."""
     message, _ = emission(LIGHTS["d65"], 10)
     grey = exact.Material(exact.Table([300, 830], [0.4, 0.4]))
     with stream.Recorder(path) as out:
@@ -347,9 +348,10 @@ def glass_box(path, where, resolution=(32, 32), **settings):
         else:
             mesh(out, "glass", *(ball(3, 0.5, (0, 0.1, 0.3)) if where == "lamp" else ball(3, 0.3, (0.05, -0.5, 0))))
         instance(out, "glass", ["glass"])
-        mesh(out, "lamp", *ball(2, 0.3, (0, 0.1, 0.3)))
+        mesh(out, "lamp", *ball(2, lamp, (0, 0.1, 0.3)))
         instance(out, "lamp", ["lamp"])
-        camera(out, [1, 0, 0, 0, 0, 0, -1, -0.5 if where == "camera" else -0.95, 0, 1, 0, 0], resolution, 0.75)
+        ahead = [1, 0, 0, 0, 0, 0, -1, -0.5 if where == "camera" else -0.95, 0, 1, 0, 0]
+        camera(out, [1, 0, 0, 0, 0, 1, 0, -0.6, 0, 0, 1, -0.4] if looks_down else ahead, resolution, 0.75)
         out.send("render", samples=[0, 16])
 
 

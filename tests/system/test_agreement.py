@@ -4,6 +4,8 @@ dispersive glass ball and a metal one.
 `lt` cannot make a path that ends on a mirror or glass seen by the pinhole: it is compared where only the fluorescent wall is
 seen (with every path to it, caustics too), and in the box without specular balls."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -69,6 +71,30 @@ def test_integrator_agrees_with_path_tracing(core, reference, view, integrator):
     found = core.batches(path, integrator, BATCHES, SAMPLES[integrator], BINS, measure, first_seed=1000)
     names, sees = names_and_promises(RESOLUTION)
     stats.assert_same("%s, %s" % (view, integrator), found, wanted, sees, names=names)
+
+
+@pytest.mark.parametrize("light_paths, lanes", [(0.25, 4), (3, 1)])
+def test_any_number_of_light_paths_gives_that_picture(core, reference, light_paths, lanes):
+    path, wanted = reference("caustics on the wall")
+    samples = 24 if light_paths < 1 else 6
+    found = core.batches(
+        path, "bdpt", BATCHES, samples, BINS, measure, first_seed=1000, lanes=lanes, light_paths=light_paths
+    )
+    names, sees = names_and_promises(RESOLUTION)
+    stats.assert_same("%g light paths" % light_paths, found, wanted, sees, names=names)
+
+
+def test_as_many_light_paths_are_traced_as_pay(core, tmp_path):
+    """In the open next event estimation does well without them; through glass about a small lamp next to nothing else comes."""
+    scenes.box(tmp_path / "open.stokes", resolution=(32, 24), view="wall", specular=False)
+    scenes.glass_box(tmp_path / "glass.stokes", "lamp", lamp=0.03, looks_down=True)
+    paths = {}
+    for name in ("open", "glass"):
+        said = core.run(
+            "render", tmp_path / (name + ".stokes"), "-o", tmp_path / "out.exr", "-i", "bdpt", "--spp", 1, "--lanes", 4
+        ).stderr
+        paths[name] = float(re.search(r"paths: (\S+) light sub-paths", said)[1])
+    assert paths["open"] < 1 < paths["glass"], paths
 
 
 # Places of the glass in which connections once were biased: a low Fresnel term beside total reflection, and ends of the path within.
