@@ -8,6 +8,8 @@
 
 /* Roulette never kills with more than this probability; it divides the contribution and stays out of the weights. */
 static const float roulette_floor = 0.05f;
+/* A run may be evaluated again where it is bright, though it was traced where it is dark (algorithm.md §9). */
+static const float roulette_floor_exact = 0.5f;
 /* A grazing edge whose cosine is below this has no density that floats can hold. */
 static const float cosine_min = 1e-6f;
 
@@ -64,15 +66,15 @@ uint32_t path_ray_kind(enum scatter_class depth_class)
                                            : RAY_TRANSMISSION;
 }
 
-/* What of the lanes' sum is left after the edge to a vertex and scattering there. Paths in volumes are long: by the mean of the lanes' own
-   shares, a lane that alone goes on would outgrow its chance at every event. */
-static float gained_in_volumes(const struct vertex *v, const double gain[LANES_MAX])
+/* What of the lanes' sum is left after the edge to a vertex and scattering there. By the mean of the lanes' own shares, a lane that is bright
+   among dark ones would outgrow its chance at every vertex. */
+static float gained(const struct integrator *it, const struct vertex *v, const double gain[LANES_MAX])
 {
     const struct arrival *at = &v->arrival;
     double before = lanes_sum(at->throughput, at->lanes), after = 0;
     for (int i = 0; i < v->lanes_out; i++)
         after += gain[i] * at->throughput[v->from[i]];
-    return v->inside.toll *
+    return (it->has_volumes ? v->inside.toll : 1) *
            (float)(before > 0 ? after / before : lanes_sum(gain, v->lanes_out) / v->lanes_out);
 }
 
@@ -98,9 +100,7 @@ static bool scatter(const struct integrator *it, struct worker *w, enum side sid
     v->to_next = drawn.direction;
     v->disperses = drawn.disperses;
     if (path->count - 1 >= it->settings.roulette_start) {
-        float gained = it->has_volumes ? gained_in_volumes(v, gain)
-                                       : (float)(lanes_sum(gain, v->lanes_out) / v->lanes_out);
-        float survival = clampf(gained, roulette_floor, 1);
+        float survival = clampf(gained(it, v, gain), it->exact ? roulette_floor_exact : roulette_floor, 1);
         if (random_at(w->random, dimension + STEP_ROULETTE) >= survival)
             return false;
         v->drawn *= survival;
