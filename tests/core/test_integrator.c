@@ -54,41 +54,25 @@ static void what_only_the_camera_sees_lights_nothing(void **state)
     scene_destroy(scene);
 }
 
-/* Where nothing depends on the wavelength there is nothing to blur: even a wide kernel's connections, of which there are many then, come to what
-   exact ones do. (It reaches over the ends of the range, but not from where Y is.) */
-static void a_wide_kernel_is_exact_on_grey(void **state)
-{
-    (void)state;
-    struct scene *scene = grey_box_scene(range, 16);
-    struct integrator_settings mollified = box_settings("mbdpt", 100);
-    mollified.lanes = 4;
-    struct batches reference = box_mean_below(scene, range, box_settings("bdpt", 4), 48),
-                   other = box_mean_below(scene, range, mollified, 48);
-    assert_same(&reference, &other, 1, (struct power){.sees_error = 0.011});
-    mollified.lanes = 1;
-    mollified.shared_wavelength = true;
-    other = box_mean_below(scene, range, mollified, 32);
-    assert_same(&reference, &other, 1, (struct power){.sees_error = 0.015});
-    scene_destroy(scene);
-}
-
 /* A dye that lets nothing be reflected in a band: what leaves it there is drawn apart from what passes elsewhere, and a run that is evaluated
    again at another wavelength needs both. mbdpt evaluates no run again. What becomes of the others without the clamp of P_F is
-   test_unclamped.c's. */
+   test_unclamped.c's: over paths of up to 6 edges 6 % are missing. */
 static void a_dye_that_absorbs_all_brings_runs_evaluated_again_what_it_brings_others(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
         int lanes, samples;
-    } subject[] = {{"bdpt", 1, 40}, {"bdpt", 4, 20}, {"pt_nee", 1, 64}};
+    } subject[] = {{"mbdpt", 4, 20}, {"bdpt", 1, 20}, {"bdpt", 4, 12}, {"pt_nee", 1, 46}};
     struct scene *scene = saturated_box_scene(range, 16);
-    struct batches reference = box_mean_below(scene, range, box_settings("mbdpt", 2), 40);
-    for (int i = 0; i < 3; i++) {
+    struct batches mean[4];
+    for (int i = 0; i < 4; i++) {
         struct integrator_settings settings = box_settings(subject[i].name, 2);
         settings.lanes = subject[i].lanes;
-        struct batches other = box_mean_below(scene, range, settings, subject[i].samples);
-        assert_same(&reference, &other, 1, (struct power){.sees_error = 0.035});
+        settings.max_path = 6;
+        mean[i] = box_mean_below(scene, range, settings, subject[i].samples);
+        if (i > 0)
+            assert_same(&mean[0], &mean[i], 1, (struct power){.sees_error = 0.03});
     }
     scene_destroy(scene);
 }
@@ -131,7 +115,6 @@ int main(void)
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "pt_nee"),
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "mbdpt"),
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "bdpt"),
-        cmocka_unit_test(a_wide_kernel_is_exact_on_grey),
         cmocka_unit_test(a_dye_that_absorbs_all_brings_runs_evaluated_again_what_it_brings_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
