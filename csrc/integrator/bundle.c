@@ -157,7 +157,7 @@ void bundle_depart(const struct integrator *it, const struct worker *w, enum sid
     there->disperses_early = !begins && here->disperses;
     there->behind_specular = v->label == LABEL_SPECULAR;
     there->connectable = here->connectable || !(here->behind_specular || there->behind_specular);
-    tally_pass(it, w, side, v, here, v->from, steps, there);
+    tally_pass(it, w, side, v, here, v->from[0], steps, there);
     arrival_fill(there, next->lambda_film, it->lanes);
 }
 
@@ -185,6 +185,6 @@ void bundle_depart_end(const struct integrator *it, const struct worker *w, enum
     memset(next->bounces, 0, sizeof next->bounces);
     struct surface_steps steps;
     memcpy(steps.pdf, end->own, sizeof steps.pdf);
-    tally_pass(it, w, side, end, &end->arrival, end->from, &steps, there);
+    tally_pass(it, w, side, end, &end->arrival, 0, &steps, there);
     arrival_fill(there, next->lambda_film, it->lanes);
 }

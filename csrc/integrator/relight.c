@@ -64,7 +64,6 @@ static void pass_edge(const struct integrator *it, const struct vertex *from, co
 int relight(const struct integrator *it, const struct worker *w, enum side side, const struct subpath *path,
             int start, int end, int lanes, const float lambda[LANES_MAX], struct strand *strand)
 {
-    static const uint8_t straight[LANES_MAX] = {0, 1, 2, 3, 4, 5, 6, 7};
     strand->start = start;
     for (int i = start; i < end; i++) {
         const struct vertex *v = &path->vertex[i];
@@ -93,7 +92,7 @@ int relight(const struct integrator *it, const struct worker *w, enum side side,
         there->dyes = traced->dyes;
         there->disperses = traced->disperses;
         there->disperses_early = traced->disperses_early;
-        tally_pass(it, w, side, v, here, straight, &steps, there);
+        tally_pass(it, w, side, v, here, 0, &steps, there);
         if (i + 1 < path->count)
             pass_edge(it, v, &path->vertex[i + 1], there);
         if (!(lanes_sum(there->throughput, lanes) > 0))

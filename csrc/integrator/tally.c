@@ -3,7 +3,6 @@
 #include "integrator/tally.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "integrator/joint.h"
 
@@ -76,10 +75,10 @@ struct passing {
     enum label label;
     int partner; /* F: the sink (light side) or source (camera side) that it is for the run that ends here */
     bool disperses;
-    int lanes;
+    int lanes, first; /* of those that arrived, so many from the first on */
 };
 
-static void tally_clear(struct tally *t, int lanes)
+LANES_INLINE void tally_clear(int lanes, struct tally *t)
 {
     for (int i = 0; i < lanes; i++)
         t->closed[i] = t->open[i] = t->near[i] = t->bent[i] = t->both[i] = 0;
@@ -88,7 +87,7 @@ static void tally_clear(struct tally *t, int lanes)
 /* The light itself: the cut s = 0, where the camera sub-path meets it. */
 static void through_light(const struct integrator *it, const struct vertex *light, int lanes, struct tally *q)
 {
-    tally_clear(q, lanes);
+    tally_clear(lanes, q);
     double *sum = it->exact ? q->open : q->closed;
     if (!light->light.delta)
         for (int i = 0; i < lanes; i++)
@@ -96,10 +95,11 @@ static void through_light(const struct integrator *it, const struct vertex *ligh
 }
 
 /* The mollified table (algorithm.md §5). */
-static void through_mollified(const struct integrator *it, const struct worker *w, const struct passing *p,
-                              const struct arrival *here, const uint8_t from[], const float other[],
-                              struct tally *q)
+LANES_INLINE void through_mollified(int lanes, const struct integrator *it, const struct worker *w,
+                                    const struct passing *p, const struct arrival *here, const float other[],
+                                    struct tally *restrict q)
 {
+    const double *seam = here->seam + p->first, *closed = here->tally.closed + p->first;
     bool dye_before = here->first, dye_here = p->label == LABEL_FLUORESCENT;
     double link[LANES_MAX];
     if (it->settings.shared_wavelength)
@@ -110,63 +110,74 @@ static void through_mollified(const struct integrator *it, const struct worker *
     else
         for (int i = 0; i < it->lanes; i++)
             link[i] = dye_before || dye_here ? 1 : w->reach_nm;
-    for (int i = 0; i < p->lanes; i++) {
-        int k = from[i];
-        double seam = p->label == LABEL_SPECULAR ? 0 : here->seam[k] * link[k];
-        q->closed[i] = (double)other[i] * here->tally.closed[k] + seam;
-    }
+    double linked = p->label == LABEL_SPECULAR ? 0 : 1;
+    for (int i = 0; i < lanes; i++)
+        q->closed[i] = (double)other[i] * closed[i] + linked * (seam[i] * link[p->first + i]);
 }
 
 /* An elastic or δ vertex of a run that goes on (algorithm.md §9). What lay open before a dispersive vertex now has a part on the other
    side that disperses. */
-static void through_run(const struct passing *p, const struct arrival *here, const uint8_t from[],
-                        const float other[], struct tally *q)
+LANES_INLINE void through_run(int lanes, const struct passing *p, const struct arrival *here,
+                              const float other[], struct tally *restrict q)
 {
     const struct tally *t = &here->tally;
-    for (int i = 0; i < p->lanes; i++) {
-        int k = from[i];
-        double b = other[i], seam = p->label == LABEL_SPECULAR ? 0 : here->seam[k];
-        q->closed[i] = b * (t->closed[k] + (p->disperses ? t->open[k] : 0));
-        q->open[i] = p->disperses ? 0 : b * t->open[k];
-        q->near[i] = p->disperses ? 0 : b * t->near[k];
-        q->bent[i] = b * t->bent[k];
-        q->both[i] = b * t->both[k];
-        if (p->disperses && p->side == SIDE_LIGHT)
-            q->both[i] += over(b * t->near[k], here->draw[k]);
-        if (p->disperses && p->side == SIDE_CAMERA)
-            q->bent[i] += b * t->near[k];
-        if (here->disperses_early)
-            q->near[i] += seam;
-        else
-            q->open[i] += here->first ? seam : over(seam, here->draw[k]);
+    const double *seam = here->seam + p->first, *closed = t->closed + p->first, *open = t->open + p->first,
+                 *near = t->near + p->first, *bent = t->bent + p->first, *both = t->both + p->first;
+    const float *draw = here->draw + p->first;
+    for (int i = 0; i < lanes; i++) {
+        q->closed[i] = other[i] * (closed[i] + (p->disperses ? open[i] : 0));
+        q->open[i] = p->disperses ? 0 : other[i] * open[i];
+        q->near[i] = p->disperses ? 0 : other[i] * near[i];
+        q->bent[i] = other[i] * bent[i];
+        q->both[i] = other[i] * both[i];
     }
+    if (p->disperses && p->side == SIDE_LIGHT)
+        for (int i = 0; i < lanes; i++)
+            q->both[i] += over(other[i] * near[i], draw[i]);
+    if (p->disperses && p->side == SIDE_CAMERA)
+        for (int i = 0; i < lanes; i++)
+            q->bent[i] += other[i] * near[i];
+    if (p->label == LABEL_SPECULAR)
+        return;
+    if (here->disperses_early)
+        for (int i = 0; i < lanes; i++)
+            q->near[i] += seam[i];
+    else
+        for (int i = 0; i < lanes; i++)
+            q->open[i] += here->first ? seam[i] : over(seam[i], draw[i]);
 }
 
 /* The F vertex (or, from the camera, the light) where a run ends: all of it is known now. `far` is the density with which this vertex would
    have drawn the run's wavelength from its own side. */
-static void through_dye(const struct integrator *it, const struct passing *p, const struct arrival *here,
-                        const uint8_t from[], const float other[], const float far[], struct tally *q)
+LANES_INLINE void through_dye(int lanes, const struct integrator *it, const struct passing *p,
+                              const struct arrival *here, const float other[], const float far[],
+                              struct tally *restrict q)
 {
     const struct tally *t = &here->tally;
+    const double *seam = here->seam + p->first, *closed = t->closed + p->first, *open = t->open + p->first,
+                 *near = t->near + p->first, *bent = t->bent + p->first, *both = t->both + p->first;
+    const float *draw = here->draw + p->first;
     double product[LANES_MAX];
     product_densities(it, p->side == SIDE_LIGHT ? here->origin : p->partner,
-                      p->side == SIDE_LIGHT ? p->partner : here->origin, it->lanes, here->lambda, product);
-    tally_clear(q, p->lanes);
-    for (int i = 0; i < p->lanes; i++) {
-        int k = from[i];
-        double b = other[i], seam = here->seam[k];
-        q->closed[i] = b * (t->closed[k] + over(t->open[k] * product[k] + t->near[k], far[i]));
-        q->both[i] = b * (t->both[k] + over(t->bent[k], far[i]));
-        q->closed[i] += here->disperses_early ? seam
-                        : here->first         ? seam * product[k]
-                                              : over(seam * product[k], here->draw[k]);
+                      p->side == SIDE_LIGHT ? p->partner : here->origin, lanes, here->lambda + p->first,
+                      product);
+    tally_clear(lanes, q);
+    for (int i = 0; i < lanes; i++) {
+        q->closed[i] = other[i] * (closed[i] + over(open[i] * product[i] + near[i], far[i]));
+        q->both[i] = other[i] * (both[i] + over(bent[i], far[i]));
     }
+    if (here->disperses_early)
+        for (int i = 0; i < lanes; i++)
+            q->closed[i] += seam[i];
+    else
+        for (int i = 0; i < lanes; i++)
+            q->closed[i] += over(seam[i] * product[i], here->first ? 1 : draw[i]);
 }
 
 /* Q at vertex v with a label. `lobe` is the fluorescent one, if it is. */
 static void through(const struct integrator *it, const struct worker *w, enum side side,
                     const struct vertex *v, const struct arrival *here, struct passing p, int lobe,
-                    const uint8_t from[], const struct surface_steps *steps, struct tally *q)
+                    const struct surface_steps *steps, struct tally *q)
 {
     enum side across = side == SIDE_LIGHT ? SIDE_CAMERA : SIDE_LIGHT;
     p.side = side;
@@ -175,39 +186,47 @@ static void through(const struct integrator *it, const struct worker *w, enum si
         return;
     }
     if (v->kind == VERTEX_CAMERA || it->cuts != CUTS_ALL) {
-        tally_clear(q, p.lanes);
+        LANES_CALL(tally_clear, p.lanes, q);
         return;
     }
     if (p.label == LABEL_FLUORESCENT)
         p.partner = wavelengths_dye(&it->wavelengths, across, surface_fluorophore(&v->surface, lobe));
-    if (!it->exact) {
-        through_mollified(it, w, &p, here, from, steps->pdf_other, q);
-    } else if (p.label != LABEL_FLUORESCENT) {
-        through_run(&p, here, from, steps->pdf_other, q);
-    } else {
-        through_dye(it, &p, here, from, steps->pdf_other, steps->draw_other, q);
+    if (!it->exact)
+        LANES_CALL(through_mollified, p.lanes, it, w, &p, here, steps->pdf_other, q);
+    else if (p.label != LABEL_FLUORESCENT)
+        LANES_CALL(through_run, p.lanes, &p, here, steps->pdf_other, q);
+    else
+        LANES_CALL(through_dye, p.lanes, it, &p, here, steps->pdf_other, steps->draw_other, q);
+}
+
+/* Over the density of the step that was made. `rate` is of the next edge as a cut. */
+LANES_INLINE void depart(int lanes, const float pdf[], double rate, const struct tally *restrict q,
+                         struct arrival *restrict there)
+{
+    for (int i = 0; i < lanes; i++) {
+        double inverse = over(1, pdf[i]);
+        there->seam[i] = rate * inverse;
+        there->tally.closed[i] = q->closed[i] * inverse;
+        there->tally.open[i] = q->open[i] * inverse;
+        there->tally.near[i] = q->near[i] * inverse;
+        there->tally.bent[i] = q->bent[i] * inverse;
+        there->tally.both[i] = q->both[i] * inverse;
     }
 }
 
 void tally_pass(const struct integrator *it, const struct worker *w, enum side side, const struct vertex *v,
-                const struct arrival *here, const uint8_t from[], const struct surface_steps *steps,
+                const struct arrival *here, int first, const struct surface_steps *steps,
                 struct arrival *there)
 {
-    struct passing p = {.label = v->label, .disperses = v->disperses, .lanes = there->lanes};
-    struct tally *q = &there->tally;
+    struct passing p = {.label = v->label, .disperses = v->disperses, .lanes = there->lanes, .first = first};
+    struct tally q;
     /* The next edge as a cut, s or t = 1 if this is its side's end, of a path that goes on beyond it. */
     double rate = technique_rate(it, side == SIDE_LIGHT && v->kind == VERTEX_LIGHT ? 1 : 2,
                                  side == SIDE_CAMERA && v->kind == VERTEX_CAMERA ? 1 : 2);
-    through(it, w, side, v, here, p, v->lobe, from, steps, q);
-    for (int i = 0; i < there->lanes; i++) {
-        double inverse = steps->pdf[i] > 0 ? 1 / (double)steps->pdf[i] : 0;
-        there->seam[i] = v->kind == VERTEX_SURFACE && v->label == LABEL_SPECULAR ? 0 : rate * inverse;
-        q->closed[i] *= inverse;
-        q->open[i] *= inverse;
-        q->near[i] *= inverse;
-        q->bent[i] *= inverse;
-        q->both[i] *= inverse;
-    }
+    if (v->kind == VERTEX_SURFACE && v->label == LABEL_SPECULAR)
+        rate = 0;
+    through(it, w, side, v, here, p, v->lobe, steps, &q);
+    LANES_CALL(depart, there->lanes, steps->pdf, rate, &q, there);
 }
 
 void tally_cross(struct arrival *at, double ahead, double back, int lanes)
@@ -231,8 +250,6 @@ static double copy_chance(const struct integrator *it, int dyes)
     return it->wavelengths.fluorophores ? ldexp(1, -(dyes + 2)) : 1;
 }
 
-static const uint8_t straight[LANES_MAX] = {0, 1, 2, 3, 4, 5, 6, 7};
-
 /* What an end brings to the connecting run. */
 struct part {
     bool is_start;  /* the run begins at this end */
@@ -241,75 +258,90 @@ struct part {
     struct tally q;
 };
 
-static struct part part_of(const struct integrator *it, const struct worker *w, const struct joint *j,
-                           enum side side)
+static void part_of(const struct integrator *it, const struct worker *w, const struct joint *j,
+                    enum side side, struct part *part)
 {
     const struct joint_end *end = &j->end[side];
-    struct part part = {.is_start = end->as.label == LABEL_FLUORESCENT, .bends = end->disperses};
     struct passing p = {.label = end->as.label, .disperses = end->disperses, .lanes = j->lanes};
-    part.disperses = !part.is_start && end->at->disperses;
-    through(it, w, side, end->vertex, end->at, p, end->as.lobe, straight, &end->steps, &part.q);
-    return part;
+    part->is_start = end->as.label == LABEL_FLUORESCENT;
+    part->bends = end->disperses;
+    part->disperses = !part->is_start && end->at->disperses;
+    through(it, w, side, end->vertex, end->at, p, end->as.lobe, &end->steps, &part->q);
 }
 
 /* Density of the connecting run's wavelength for the cut at hand (§9's four rows). */
-static double exact_link(const struct part *y, const struct part *x, double product, double draw_y,
-                         double draw_x, double copy)
+LANES_INLINE void exact_link(int lanes, const struct part *y, const struct part *x, const double product[],
+                             const float draw_y[], const float draw_x[], double copy, double link[restrict])
 {
-    double by_light = y->is_start ? 1 : draw_y, by_camera = x->is_start ? 1 : draw_x;
+    bool starts_y = y->is_start, starts_x = x->is_start;
     if (y->disperses && x->disperses)
-        return over(copy, draw_y);
-    if (x->disperses)
-        return over(1, by_light);
-    if (y->disperses)
-        return over(1, by_camera);
-    return over(product, by_light * by_camera);
-}
-
-/* The sum over the cuts of one side, now that the other part of the run is known; `far` is that part's draw. */
-static double close(const struct part *own, const struct part *far, int i, double product, double draw_far,
-                    double copied, double copy)
-{
-    bool bends = far->disperses || far->bends;
-    return own->q.closed[i] + (bends ? own->q.open[i] : over(own->q.open[i] * product, draw_far)) +
-           (bends ? own->q.near[i] * copied : over(own->q.near[i], draw_far)) +
-           over(own->q.bent[i] * copy, draw_far) + own->q.both[i] * copy;
-}
-
-static void weigh_exact(const struct integrator *it, const struct joint *j, const struct part *y,
-                        const struct part *x, double weight[LANES_MAX])
-{
-    const struct joint_end *end_y = &j->end[SIDE_LIGHT], *end_x = &j->end[SIDE_CAMERA];
-    double product[LANES_MAX], copy = copy_chance(it, j->dyes), rate = technique_rate(it, j->s, j->t);
-    product_densities(it, j->source, j->sink, j->lanes, j->lambda, product);
-    for (int i = 0; i < j->lanes; i++) {
-        double draw_y = end_y->draw[i], draw_x = end_x->draw[i], copied = over(copy, draw_y);
-        double link = exact_link(y, x, product[i], draw_y, draw_x, copy) * rate / (double)j->geometry;
-        double others =
-            end_x->across * (double)end_x->steps.pdf[i] * close(y, x, i, product[i], draw_x, copied, copy) +
-            end_y->across * (double)end_y->steps.pdf[i] * close(x, y, i, product[i], draw_y, copied, copy);
-        weight[i] = over(link, link + others);
-    }
-}
-
-static void weigh_mollified(const struct integrator *it, const struct worker *w, const struct joint *j,
-                            const struct part *y, const struct part *x, double weight[LANES_MAX])
-{
-    const struct joint_end *end_y = &j->end[SIDE_LIGHT], *end_x = &j->end[SIDE_CAMERA];
-    double link[LANES_MAX];
-    if (it->settings.shared_wavelength)
-        link[0] = x->is_start ? end_x->draw[0] : 1;
-    else if (y->is_start && x->is_start)
-        product_densities(it, j->source, j->sink, j->lanes, j->lambda, link);
+        for (int i = 0; i < lanes; i++)
+            link[i] = over(copy, draw_y[i]);
+    else if (x->disperses)
+        for (int i = 0; i < lanes; i++)
+            link[i] = over(1, starts_y ? 1 : draw_y[i]);
+    else if (y->disperses)
+        for (int i = 0; i < lanes; i++)
+            link[i] = over(1, starts_x ? 1 : draw_x[i]);
     else
-        for (int i = 0; i < j->lanes; i++)
-            link[i] = y->is_start || x->is_start ? 1 : w->reach_nm;
-    for (int i = 0; i < j->lanes; i++) {
-        double own = link[i] * technique_rate(it, j->s, j->t) / (double)j->geometry;
-        double others = end_x->across * (double)end_x->steps.pdf[i] * y->q.closed[i] +
-                        end_y->across * (double)end_y->steps.pdf[i] * x->q.closed[i];
+        for (int i = 0; i < lanes; i++)
+            link[i] = over(product[i], (starts_y ? 1 : (double)draw_y[i]) * (starts_x ? 1 : draw_x[i]));
+}
+
+/* The sum over the cuts of one side, now that the other part of the run is known; `draw` is that part's, `draw_y` the light's. */
+LANES_INLINE void close(int lanes, const struct part *own, const struct part *far, const double product[],
+                        const float draw[], const float draw_y[], double copy, double sum[restrict])
+{
+    const struct tally *q = &own->q;
+    if (far->disperses || far->bends)
+        for (int i = 0; i < lanes; i++)
+            sum[i] = q->closed[i] + q->open[i] + q->near[i] * over(copy, draw_y[i]);
+    else
+        for (int i = 0; i < lanes; i++)
+            sum[i] = q->closed[i] + over(q->open[i] * product[i], draw[i]) + over(q->near[i], draw[i]);
+    for (int i = 0; i < lanes; i++)
+        sum[i] = sum[i] + over(q->bent[i] * copy, draw[i]) + q->both[i] * copy;
+}
+
+/* The weight of one cut beside the others of both sides. */
+LANES_INLINE void weigh(int lanes, const struct joint *j, double rate, const double link[],
+                        const double of_y[], const double of_x[], double weight[restrict])
+{
+    const struct joint_end *y = &j->end[SIDE_LIGHT], *x = &j->end[SIDE_CAMERA];
+    for (int i = 0; i < lanes; i++) {
+        double own = link[i] * rate / (double)j->geometry;
+        double others =
+            x->across * (double)x->steps.pdf[i] * of_y[i] + y->across * (double)y->steps.pdf[i] * of_x[i];
         weight[i] = over(own, own + others);
     }
+}
+
+LANES_INLINE void weigh_exact(int lanes, const struct integrator *it, const struct joint *j,
+                              const struct part *y, const struct part *x, double weight[])
+{
+    const float *draw_y = j->end[SIDE_LIGHT].draw, *draw_x = j->end[SIDE_CAMERA].draw;
+    double product[LANES_MAX], link[LANES_MAX], of_y[LANES_MAX], of_x[LANES_MAX];
+    double copy = copy_chance(it, j->dyes);
+    product_densities(it, j->source, j->sink, lanes, j->lambda, product);
+    exact_link(lanes, y, x, product, draw_y, draw_x, copy, link);
+    close(lanes, y, x, product, draw_x, draw_y, copy, of_y);
+    close(lanes, x, y, product, draw_y, draw_y, copy, of_x);
+    weigh(lanes, j, technique_rate(it, j->s, j->t), link, of_y, of_x, weight);
+}
+
+LANES_INLINE void weigh_mollified(int lanes, const struct integrator *it, const struct worker *w,
+                                  const struct joint *j, const struct part *y, const struct part *x,
+                                  double weight[])
+{
+    double link[LANES_MAX];
+    if (it->settings.shared_wavelength)
+        link[0] = x->is_start ? j->end[SIDE_CAMERA].draw[0] : 1;
+    else if (y->is_start && x->is_start)
+        product_densities(it, j->source, j->sink, lanes, j->lambda, link);
+    else
+        for (int i = 0; i < lanes; i++)
+            link[i] = y->is_start || x->is_start ? 1 : w->reach_nm;
+    weigh(lanes, j, technique_rate(it, j->s, j->t), link, y->q.closed, x->q.closed, weight);
 }
 
 void tally_weigh(const struct integrator *it, const struct worker *w, const struct joint *j,
@@ -320,11 +352,13 @@ void tally_weigh(const struct integrator *it, const struct worker *w, const stru
             weight[i] = 1;
         return;
     }
-    struct part y = part_of(it, w, j, SIDE_LIGHT), x = part_of(it, w, j, SIDE_CAMERA);
+    struct part y, x;
+    part_of(it, w, j, SIDE_LIGHT, &y);
+    part_of(it, w, j, SIDE_CAMERA, &x);
     if (it->exact)
-        weigh_exact(it, j, &y, &x, weight);
+        LANES_CALL(weigh_exact, j->lanes, it, j, &y, &x, weight);
     else
-        weigh_mollified(it, w, j, &y, &x, weight);
+        LANES_CALL(weigh_mollified, j->lanes, it, w, j, &y, &x, weight);
 }
 
 void tally_weigh_sighting(const struct integrator *it, const struct worker *w, const struct arrival *at,
@@ -348,9 +382,9 @@ void tally_weigh_sighting(const struct integrator *it, const struct worker *w, c
     if (it->has_volumes)
         tally_cross(&here, ahead, behind, it->lanes);
     if (it->exact)
-        through_dye(it, &p, &here, straight, back, draw, &q);
+        through_dye(at->lanes, it, &p, &here, back, draw, &q);
     else
-        through_mollified(it, w, &p, &here, straight, back, &q);
+        through_mollified(at->lanes, it, w, &p, &here, back, &q);
     double product[LANES_MAX], copy = copy_chance(it, at->dyes);
     product_densities(it, p.partner, at->origin, at->lanes, at->lambda, product);
     for (int i = 0; i < at->lanes; i++) {

@@ -13,10 +13,10 @@ void arrival_begin(struct arrival *, int lanes, double throughput, int origin);
 /* Where fewer lanes than `lanes` are in use, the others repeat the first. */
 void arrival_fill(struct arrival *, float lambda_film[LANES_MAX], int lanes);
 
-/* Sets `there->tally` and `seam`, but for the edge's geometry, behind vertex v, which was passed by v->label: here->… [from[i]] arrived, and the
+/* Sets `there->tally` and `seam`, but for the edge's geometry, behind vertex v, which was passed by v->label: here->… [first + i] arrived, and the
    steps hold the nominal densities. Reads there->lanes. */
 void tally_pass(const struct integrator *, const struct worker *, enum side, const struct vertex *v,
-                const struct arrival *here, const uint8_t from[], const struct surface_steps *,
+                const struct arrival *here, int first, const struct surface_steps *,
                 struct arrival *there);
 
 /* The edge that arrives has a length in volumes, with densities for the own step over it and for the other side's back (algorithm.md §13). */
