@@ -69,6 +69,22 @@ bool joint_open(struct joint *joint, const struct vertex *y, const struct vertex
     return sight->state != SIGHT_NOTHING;
 }
 
+static enum scatter_class end_class(const struct joint_end *end, struct vec3 to_other)
+{
+    return end->as.label == LABEL_FLUORESCENT
+               ? SCATTER_DIFFUSE
+               : surface_elastic_class(&end->vertex->surface, end->vertex->to_prev, to_other);
+}
+
+/* An edge is a ray that leaves its end on the camera's side, whoever traced it; one that looks for a light is a shadow ray. */
+static uint32_t edge_kind(const struct joint *joint)
+{
+    if (joint->t == 1)
+        return RAY_CAMERA;
+    return joint->s == 1 ? RAY_SHADOW
+                         : path_ray_kind(end_class(&joint->end[SIDE_CAMERA], negate(joint->y_to_x)));
+}
+
 /* Where a shadow ray from the joint's camera end begins: not nearer than a camera's own rays. */
 static struct vec3 camera_start(const struct vertex *x, struct vec3 direction)
 {
@@ -86,9 +102,10 @@ static double trace_through(const struct integrator *it, const struct joint *joi
     struct vec3 from = x->kind == VERTEX_CAMERA ? camera_start(x, x_to_y) : vertex_offset(x, x_to_y);
     struct media media = flight_media(x, x_to_y);
     if (y->unbounded)
-        return scene_visibility_distant_through(it->scene, from, x_to_y, lambda, &media, crossing);
-    return scene_visibility_through(it->scene, from, vertex_offset(y, joint->y_to_x), lambda, &media,
-                                    crossing);
+        return scene_visibility_distant_through(it->scene, from, x_to_y, lambda, edge_kind(joint), &media,
+                                                crossing);
+    return scene_visibility_through(it->scene, from, vertex_offset(y, joint->y_to_x), lambda,
+                                    edge_kind(joint), &media, crossing);
 }
 
 static double trace(const struct integrator *it, const struct joint *joint, float lambda)
@@ -96,8 +113,10 @@ static double trace(const struct integrator *it, const struct joint *joint, floa
     const struct vertex *y = joint->end[SIDE_LIGHT].vertex, *x = joint->end[SIDE_CAMERA].vertex;
     struct vec3 x_to_y = negate(joint->y_to_x);
     if (y->unbounded)
-        return scene_visibility_distant(it->scene, vertex_offset(x, x_to_y), x_to_y, lambda);
-    return scene_visibility(it->scene, vertex_offset(x, x_to_y), vertex_offset(y, joint->y_to_x), lambda);
+        return scene_visibility_distant(it->scene, vertex_offset(x, x_to_y), x_to_y, lambda,
+                                        edge_kind(joint));
+    return scene_visibility(it->scene, vertex_offset(x, x_to_y), vertex_offset(y, joint->y_to_x), lambda,
+                            edge_kind(joint));
 }
 
 static void set_across(const struct integrator *it, const struct joint *joint, struct haze *haze)
@@ -131,13 +150,6 @@ static void attenuate(const struct integrator *it, struct joint *joint, double v
 }
 
 /* --- Limits ------------------------------------------------------------------------------------------------ */
-
-static enum scatter_class end_class(const struct joint_end *end, struct vec3 to_other)
-{
-    return end->as.label == LABEL_FLUORESCENT
-               ? SCATTER_DIFFUSE
-               : surface_elastic_class(&end->vertex->surface, end->vertex->to_prev, to_other);
-}
 
 static bool keeps_bounces(const struct integrator *it, const struct joint *joint, enum scatter_class y,
                           enum scatter_class x)

@@ -39,8 +39,9 @@ double edge_transmittance(const struct integrator *it, const struct vertex *from
                           struct vec3 direction, float lambda)
 {
     struct vec3 origin = vertex_offset(from, direction);
-    return to ? scene_visibility(it->scene, origin, *to, lambda)
-              : scene_visibility_distant(it->scene, origin, direction, lambda);
+    uint32_t kind = from->kind == VERTEX_CAMERA ? RAY_CAMERA : RAY_SHADOW;
+    return to ? scene_visibility(it->scene, origin, *to, lambda, kind)
+              : scene_visibility_distant(it->scene, origin, direction, lambda, kind);
 }
 
 static void pass_edge(const struct integrator *it, const struct vertex *from, const struct vertex *to,

@@ -287,7 +287,7 @@ void accel_boundaries(const struct scene *scene, struct vec3 origin, struct vec3
 }
 
 float accel_transmittance(const struct scene *scene, struct vec3 origin, struct vec3 direction, float far,
-                          float lambda, struct boundaries *boundaries)
+                          float lambda, uint32_t kind, struct boundaries *boundaries)
 {
     struct shadow_query query = {
         .scene = scene, .lambda = lambda, .transmittance = 1, .boundaries = boundaries};
@@ -297,7 +297,7 @@ float accel_transmittance(const struct scene *scene, struct vec3 origin, struct 
         query.viewing = negate(normalize(direction));
         query.stretch = length(direction);
     }
-    struct RTCRay ray = embree_ray(origin, direction, 0, far, RAY_SHADOW);
+    struct RTCRay ray = embree_ray(origin, direction, 0, far, kind);
     rtcOccluded1(scene->accel->top, &query.context, &ray);
     return ray.tfar < 0 ? 0 : query.transmittance;
 }

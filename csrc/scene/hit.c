@@ -166,15 +166,16 @@ bool scene_intersect(const struct scene *scene, const struct ray *ray, struct hi
 
 const float scene_segment_end = 1 - 2 * ROUNDINGS;
 
-float scene_visibility(const struct scene *scene, struct vec3 from, struct vec3 to, float lambda)
+float scene_visibility(const struct scene *scene, struct vec3 from, struct vec3 to, float lambda,
+                       uint32_t kind)
 {
-    return accel_transmittance(scene, from, sub(to, from), scene_segment_end, lambda, NULL);
+    return accel_transmittance(scene, from, sub(to, from), scene_segment_end, lambda, kind, NULL);
 }
 
 float scene_visibility_distant(const struct scene *scene, struct vec3 from, struct vec3 direction,
-                               float lambda)
+                               float lambda, uint32_t kind)
 {
-    return accel_transmittance(scene, from, direction, INFINITY, lambda, NULL);
+    return accel_transmittance(scene, from, direction, INFINITY, lambda, kind, NULL);
 }
 
 bool scene_hit_is_holdout(const struct scene *scene, const struct hit *hit)

@@ -183,21 +183,22 @@ static void lengths(const struct boundaries *b, double far, struct crossing *cro
 }
 
 float scene_visibility_through(const struct scene *scene, struct vec3 from, struct vec3 to, float lambda,
-                               const struct media *media, struct crossing *crossing)
+                               uint32_t kind, const struct media *media, struct crossing *crossing)
 {
     struct boundaries met;
     boundaries_begin(&met, media);
-    float visible = accel_transmittance(scene, from, sub(to, from), scene_segment_end, lambda, &met);
+    float visible = accel_transmittance(scene, from, sub(to, from), scene_segment_end, lambda, kind, &met);
     lengths(&met, length(sub(to, from)), crossing);
     return visible;
 }
 
 float scene_visibility_distant_through(const struct scene *scene, struct vec3 from, struct vec3 direction,
-                                       float lambda, const struct media *media, struct crossing *crossing)
+                                       float lambda, uint32_t kind, const struct media *media,
+                                       struct crossing *crossing)
 {
     struct boundaries met;
     boundaries_begin(&met, media);
-    float visible = accel_transmittance(scene, from, direction, INFINITY, lambda, &met);
+    float visible = accel_transmittance(scene, from, direction, INFINITY, lambda, kind, &met);
     lengths(&met, INFINITY, crossing);
     return visible;
 }

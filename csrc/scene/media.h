@@ -55,8 +55,8 @@ bool scene_shade_media(const struct scene *, const struct media *, struct surfac
 /* As scene_visibility and scene_visibility_distant, without what volumes extinguish; fills what of them the segment crosses, from the media at
    its beginning on. */
 float scene_visibility_through(const struct scene *, struct vec3 from, struct vec3 to, float lambda,
-                               const struct media *, struct crossing *);
+                               uint32_t kind, const struct media *, struct crossing *);
 float scene_visibility_distant_through(const struct scene *, struct vec3 from, struct vec3 direction,
-                                       float lambda, const struct media *, struct crossing *);
+                                       float lambda, uint32_t kind, const struct media *, struct crossing *);
 
 #endif

@@ -20,10 +20,11 @@ struct ray {
 bool scene_intersect(const struct scene *, const struct ray *, struct hit *, const struct material **);
 
 /* Transmittance at a wavelength of the open segment between two points that were offset from their surfaces: 0 if blocked, the
-   product over `transparent` materials otherwise. */
-float scene_visibility(const struct scene *, struct vec3 from, struct vec3 to, float lambda);
+   product over `transparent` materials otherwise. What this kind of ray does not see lets it pass. */
+float scene_visibility(const struct scene *, struct vec3 from, struct vec3 to, float lambda, uint32_t kind);
 /* The same to infinity along a unit direction. */
-float scene_visibility_distant(const struct scene *, struct vec3 from, struct vec3 direction, float lambda);
+float scene_visibility_distant(const struct scene *, struct vec3 from, struct vec3 direction, float lambda,
+                               uint32_t kind);
 
 /* Which kinds of ray (enum ray_kind) see what was hit. An edge of a path is a ray that leaves its end on the camera's side, whoever traced it. */
 uint32_t scene_hit_kinds(const struct scene *, const struct hit *);

@@ -246,7 +246,7 @@ struct accel_hit {
 bool accel_intersect(const struct scene *, const struct ray *, struct accel_hit *);
 /* `boundaries` (may be NULL) is told of each volume that the ray enters or leaves, at distances in metres. */
 float accel_transmittance(const struct scene *, struct vec3 origin, struct vec3 direction, float far,
-                          float lambda, struct boundaries *);
+                          float lambda, uint32_t kind, struct boundaries *);
 /* All boundaries of volumes along an endless ray, whatever else is in its way. */
 void accel_boundaries(const struct scene *, struct vec3 origin, struct vec3 direction, struct boundaries *);
 /* Bounding box of a lamp that can be hit. */

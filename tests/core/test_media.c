@@ -155,8 +155,8 @@ static void a_shadow_ray_knows_what_it_crosses_of_each_volume(void **state)
         struct vec3 a = random_point(i), b = random_point(i + 500), d = normalize(sub(b, a));
         struct media at_a = scene_media_at(scene, a, d), at_b = scene_media_at(scene, b, d);
         struct crossing there, back;
-        assert_float_equal(scene_visibility_through(scene, a, b, 500, &at_a, &there), 1, 0);
-        assert_float_equal(scene_visibility_through(scene, b, a, 500, &at_b, &back), 1, 0);
+        assert_float_equal(scene_visibility_through(scene, a, b, 500, RAY_SHADOW, &at_a, &there), 1, 0);
+        assert_float_equal(scene_visibility_through(scene, b, a, 500, RAY_SHADOW, &at_b, &back), 1, 0);
         double depth = 0.5 * (double)length(sub(b, a));
         for (int k = 0; k < BODIES; k++)
             depth += (double)bodies[k].sigma * length_in(&bodies[k], a, b);
@@ -167,9 +167,9 @@ static void a_shadow_ray_knows_what_it_crosses_of_each_volume(void **state)
     /* The wall stops it all the same. */
     struct media open = scene_open_media(scene);
     struct crossing crossing;
-    assert_float_equal(
-        scene_visibility_through(scene, vec3(-1, 8.5f, 8.3f), vec3(12, 8.6f, 8.4f), 500, &open, &crossing), 0,
-        0);
+    assert_float_equal(scene_visibility_through(scene, vec3(-1, 8.5f, 8.3f), vec3(12, 8.6f, 8.4f), 500,
+                                                RAY_SHADOW, &open, &crossing),
+                       0, 0);
     scene_destroy(scene);
 }
 
@@ -181,7 +181,8 @@ static void nothing_arrives_from_infinity_through_a_world_that_extinguishes(void
         struct vec3 from = vec3(3.5f, 3.4f, 3.3f), d = normalize(vec3(-1, -0.9f, -0.8f));
         struct media media = scene_media_at(scene, from, d);
         struct crossing crossing;
-        assert_float_equal(scene_visibility_distant_through(scene, from, d, 500, &media, &crossing), 1, 0);
+        assert_float_equal(
+            scene_visibility_distant_through(scene, from, d, 500, RAY_SHADOW, &media, &crossing), 1, 0);
         double depth = 0, left = crossing_transmittance(scene, &crossing, 500);
         for (int k = 0; k < BODIES; k++)
             depth += (double)bodies[k].sigma * length_in(&bodies[k], from, along(from, d, 20));

@@ -291,7 +291,7 @@ static void visibility_agrees_with_brute_force(void **state)
         if (brute.margin < 1e-4)
             continue;
         bool expected_open = !(met && brute.t < distance);
-        assert_true(scene_visibility(placed->scene, from, to, 500) == (expected_open ? 1 : 0));
+        assert_true(scene_visibility(placed->scene, from, to, 500, RAY_SHADOW) == (expected_open ? 1 : 0));
         *(expected_open ? &open : &blocked) += 1;
     }
     assert_true(open > 50 && blocked > 50);
@@ -314,14 +314,15 @@ static void transparent_panes_multiply_their_transmittances(void **state)
     }
     scenes_commit(scene);
     struct vec3 low = vec3(0.1f, 0.2f, -1), high = vec3(-0.3f, 0.1f, 3);
-    assert_float_equal(scene_visibility(scene, low, high, 500), 0.1f, 1e-6);
-    assert_float_equal(scene_visibility(scene, high, low, 500), 0.1f, 1e-6);
-    assert_float_equal(scene_visibility(scene, low, vec3(0, 0, 1.5f), 500), 0.4f, 1e-6);
-    assert_float_equal(scene_visibility_distant(scene, vec3(0, 0, 0.5f), vec3(0, 0, 1), 500), 0.2f, 1e-6);
+    assert_float_equal(scene_visibility(scene, low, high, 500, RAY_SHADOW), 0.1f, 1e-6);
+    assert_float_equal(scene_visibility(scene, high, low, 500, RAY_SHADOW), 0.1f, 1e-6);
+    assert_float_equal(scene_visibility(scene, low, vec3(0, 0, 1.5f), 500, RAY_SHADOW), 0.4f, 1e-6);
+    assert_float_equal(scene_visibility_distant(scene, vec3(0, 0, 0.5f), vec3(0, 0, 1), 500, RAY_SHADOW),
+                       0.2f, 1e-6);
     scenes_material(scene, "b", scenes_grey());
     scenes_commit(scene);
-    assert_true(scene_visibility(scene, low, high, 500) == 0);
-    assert_float_equal(scene_visibility(scene, low, vec3(0, 0, 0.5f), 500), 0.5f, 1e-6);
+    assert_true(scene_visibility(scene, low, high, 500, RAY_SHADOW) == 0);
+    assert_float_equal(scene_visibility(scene, low, vec3(0, 0, 0.5f), 500, RAY_SHADOW), 0.5f, 1e-6);
     scene_destroy(scene);
 }
 
@@ -342,8 +343,10 @@ static void shadow_rays_see_panes_from_their_own_direction(void **state)
     scenes_commit(scene);
     for (float x = 0; x < 3; x += 0.5f) {
         float cosine = 2 / sqrtf(4 + 4 * x * x);
-        assert_float_equal(scene_visibility(scene, vec3(-x, 0, -1), vec3(x, 0, 1), 500), cosine, 1e-5);
-        assert_float_equal(scene_visibility(scene, vec3(x, 0, 1), vec3(-x, 0, -1), 500), cosine, 1e-5);
+        assert_float_equal(scene_visibility(scene, vec3(-x, 0, -1), vec3(x, 0, 1), 500, RAY_SHADOW), cosine,
+                           1e-5);
+        assert_float_equal(scene_visibility(scene, vec3(x, 0, 1), vec3(-x, 0, -1), 500, RAY_SHADOW), cosine,
+                           1e-5);
     }
     scene_destroy(scene);
 }
@@ -371,8 +374,9 @@ static void visibility_flags_hide_objects_from_their_kind_of_ray_alone(void **st
             struct hit hit;
             const struct material *material;
             assert_int_equal(scene_intersect(scene, &ray, &hit, &material), kind != hidden);
+            assert_true(scene_visibility(scene, vec3(0, 0, 1), vec3(0, 0, -1), 500, kinds[kind]) ==
+                        (kind == hidden ? 1 : 0));
         }
-        assert_true(scene_visibility(scene, vec3(0, 0, 1), vec3(0, 0, -1), 500) == (hidden == 4 ? 1 : 0));
         scene_destroy(scene);
     }
 }

@@ -326,7 +326,7 @@ static void rays_find_lamps_as_sampling_draws_them(void **state)
                 /* of the two triangles of the mesh one may hide the other */
                 struct vec3 end =
                     point.on_mesh ? scene_offset(&point.hit, negate(direction)) : point.position;
-                if (k < 4 || scene_visibility(scene, at, end, LAMBDA) > 0)
+                if (k < 4 || scene_visibility(scene, at, end, LAMBDA, RAY_SHADOW) > 0)
                     by_points += scene_light_emission(scene, &point, negate(direction), LAMBDA) *
                                  fabsf(dot(direction, point.normal)) / (length_squared(to_lamp) * pdf);
             }

@@ -148,3 +148,36 @@ def instances():
                      (-0.3 if i % 2 else 0.4, 0.3, 0.2 + 0.1 * i))
         child.parent = parent
     camera()
+
+
+@scene(run="long")
+def unseen_by_diffuse_and_shadow_rays():
+    """Lit by what only shadow rays reach: what rays of two kinds find in their way would have no right answer."""
+    ball, crate = still_life()[1:]
+    ball.visible_shadow = False
+    crate.visible_diffuse = False
+    light('SUN', 2, (1.5, -1.5, 3.0), angle=0.0)
+    light('POINT', 100, (-1.5, -1.5, 2.5), shadow_soft_size=0.0)
+
+
+@scene(samples=(128, 512), run="long")
+def unseen_by_camera_and_glossy_rays():
+    """One thing is in the mirror alone, another before it alone; both cast shadows."""
+    still_life()
+    mirror = link("Mirror", plane("Mirror", 4.0), (0, 2.0, 1.2), (80, 0, 0))
+    mirror.data.materials.append(material("Mirror", lambda tree: tree.node("ShaderNodeBsdfGlossy", Roughness=0.0)))
+    for name, place in (("Hidden", (-0.1, -0.9, 0.3)), ("Unmirrored", (0.2, 1.0, 0.4))):
+        thing = link(name, sphere(name), place, scale=(0.3, 0.3, 0.3))
+        thing.data.materials.append(diffuse((0.8, 0.4, 0.2)))
+        thing.visible_camera, thing.visible_glossy = name != "Hidden", name != "Unmirrored"
+    light('AREA', 120, (2.0, -2.0, 3.5), shape='SQUARE', size=2.5)
+
+
+@scene()
+def unseen_by_the_camera():
+    """A wall before the camera that lights and shades what is behind it."""
+    still_life()
+    wall = link("Wall", plane("Wall"), (0, -3.0, 1.5), (70, 0, 0))
+    wall.data.materials.append(diffuse(0.5))
+    wall.visible_camera = False
+    light('AREA', 120, (0.5, -0.5, 3.5), shape='SQUARE', size=1.0)
