@@ -135,7 +135,7 @@ double link_factor(const struct integrator *it, const struct full_path *path, co
         return 0;
     if (c == 0)
         return path->light->delta ? 0 : it->exact ? exact_wavelength(it, path, chart, 0) : 1;
-    if (is_specular(path, c - 1) || is_specular(path, c))
+    if (is_specular(path, c - 1) || is_specular(path, c) || (c >= 2 && !path->step[1].begins))
         return 0;
     /* The light seen by the camera itself: joint_camera_vertex makes no such path to a distant one. */
     if (path->edges == 1 && (path->light->distant || !scene_light_seen_by_camera(it->scene, path->light)))

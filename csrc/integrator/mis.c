@@ -20,6 +20,7 @@ static void put_vertex(struct full_path *path, enum side side, int i, const stru
     step->label = v->label;
     step->disperses = v->disperses;
     step->in_volume = v->in_volume;
+    step->begins = vertex_begins_light_paths(v);
     step->dye = v->kind == VERTEX_SURFACE && v->label == LABEL_FLUORESCENT
                     ? surface_fluorophore(&v->surface, v->lobe)
                     : -1;
@@ -63,6 +64,7 @@ static void put_end(struct full_path *path, const struct joint_end *end, enum si
     step->label = end->as.label;
     step->disperses = end->disperses;
     step->in_volume = end->vertex->in_volume;
+    step->begins = vertex_begins_light_paths(end->vertex);
     step->dye = end->vertex->kind == VERTEX_SURFACE && end->as.label == LABEL_FLUORESCENT
                     ? surface_fluorophore(&end->vertex->surface, end->as.lobe)
                     : -1;

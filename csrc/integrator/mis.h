@@ -27,6 +27,7 @@ struct full_path {
         float lambda;
         enum label label;
         bool in_volume; /* it scatters inside of volumes */
+        bool begins;    /* vertex_begins_light_paths */
         bool disperses; /* passed by a refraction whose direction depends on the wavelength */
         int dye; /* scene-wide index of the fluorophore, where label is FLUORESCENT and this is a surface */
     } step[FULL_PATH_VERTICES];

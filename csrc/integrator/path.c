@@ -24,7 +24,8 @@ struct vec3 vertex_offset(const struct vertex *v, struct vec3 direction)
     return v->position;
 }
 
-/* What a light sub-path meets may be seen by any kind of ray; which one, its scattering there decides. */
+/* What a light sub-path meets may be seen by any kind of ray; which one, its scattering there decides. Its first edge is one that looks for a
+   light. */
 static const uint32_t any_kind = RAY_CAMERA | RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION | RAY_VOLUME;
 
 /* Fills what a new vertex knows of the edge to its predecessor. */
@@ -32,7 +33,7 @@ static bool arrive(const struct integrator *it, struct vertex *prev, struct vert
                    struct vec3 direction, bool passed)
 {
     next->kind = VERTEX_SURFACE;
-    next->kinds = next->in_volume ? any_kind : scene_hit_kinds(it->scene, &next->hit);
+    next->kinds = next->in_volume ? any_kind | RAY_SHADOW : scene_hit_kinds(it->scene, &next->hit);
     next->label = LABEL_ELASTIC;
     next->disperses = false;
     next->memo[MEMO_ARRIVING].lanes = next->memo[MEMO_OTHERS].lanes = 0;
@@ -251,14 +252,14 @@ static bool start_light(const struct integrator *it, struct worker *w, struct su
 
 void path_trace_light(const struct integrator *it, struct worker *w)
 {
-    struct flight f = {.ray = {.far = INFINITY, .kind = any_kind}};
+    struct flight f = {.ray = {.far = INFINITY, .kind = RAY_SHADOW}};
     if (start_light(it, w, &w->light, 0, &f))
         extend(it, w, SIDE_LIGHT, &w->light, &f, it->light_edges);
 }
 
 void path_trace_copy(const struct integrator *it, struct worker *w, struct copying *copying)
 {
-    struct flight f = {.ray = {.far = INFINITY, .kind = any_kind}};
+    struct flight f = {.ray = {.far = INFINITY, .kind = RAY_SHADOW}};
     copying->taken = -1;
     copying->start = 0;
     w->copying = copying;

@@ -263,6 +263,12 @@ static inline float path_light_draw(const struct integrator *it, const struct li
     return it->settings.shared_wavelength ? 1 : scene_pdf_light_lambda(it->scene, light, lambda);
 }
 
+/* What shadow rays do not see no light sub-path meets first: where it is next to the light, no cut s ≥ 2 is a technique. */
+static inline bool vertex_begins_light_paths(const struct vertex *v)
+{
+    return v->kind != VERTEX_SURFACE || (v->kinds & RAY_SHADOW);
+}
+
 /* The kind of ray that leaves a vertex after scattering there, towards the light. */
 uint32_t path_ray_kind(enum scatter_class);
 

@@ -267,6 +267,8 @@ static void part_of(const struct integrator *it, const struct worker *w, const s
     part->bends = end->disperses;
     part->disperses = !part->is_start && end->at->disperses;
     through(it, w, side, end->vertex, end->at, p, end->as.lobe, &end->steps, &part->q);
+    if (j->s == 1 && !vertex_begins_light_paths(end->vertex))
+        LANES_CALL(tally_clear, j->lanes, &part->q);
 }
 
 /* Density of the connecting run's wavelength for the cut at hand (§9's four rows). */
@@ -377,6 +379,8 @@ void tally_weigh_sighting(const struct integrator *it, const struct worker *w, c
     struct arrival here = *at;
     double rate =
         technique_rate(it, 1, edges) / technique_rate(it, 2, edges); /* tally_pass took it for s = 2 */
+    if (!vertex_begins_light_paths(&w->camera.vertex[edges - 1]))
+        LANES_CALL(tally_clear, it->lanes, &here.tally);
     for (int i = 0; i < it->lanes; i++)
         here.seam[i] = connects ? at->seam[i] * rate / geometry : 0;
     if (it->has_volumes)
