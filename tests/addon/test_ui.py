@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 
 import pytest
@@ -251,13 +252,25 @@ def test_every_tab_draws_in_a_window_and_adding_a_node_can_be_undone(tmp_path):
     """A panel that fails draws nothing and says so on the console."""
     script = tmp_path / "script.py"
     script.write_text(INSIDE.read_text() + WINDOW)
-    done = subprocess.run(
+    told = in_window(script, tmp_path) or in_window(script, tmp_path)
+    assert told, "Blender's window hung twice"
+    assert "Traceback" not in told and "Error" not in told, told
+    assert '["undo", 1, 0]' in told and '"LIGHT AREA"' in told, told
+
+
+def in_window(script, folder):
+    """What Blender says in a window. None if it hangs, as 3.4.1 under Xvfb does at times."""
+    process = subprocess.Popen(
         ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", "blender", "--factory-startup", "--window-geometry", "0", "0",
-         "1280", "1024", "--python", str(script)], timeout=100, cwd=tmp_path, text=True, errors="replace",
-        env=dict(os.environ, LIBGL_ALWAYS_SOFTWARE="1", ROOT=str(ROOT), TMP_PATH=str(tmp_path)),
+         "1280", "1024", "--python", str(script)], cwd=folder, text=True, errors="replace", start_new_session=True,
+        env=dict(os.environ, LIBGL_ALWAYS_SOFTWARE="1", ROOT=str(ROOT), TMP_PATH=str(folder)),
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    assert "Traceback" not in done.stdout and "Error" not in done.stdout, done.stdout
-    assert '["undo", 1, 0]' in done.stdout and '"LIGHT AREA"' in done.stdout, done.stdout
+    try:
+        return process.communicate(timeout=100)[0]
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        print("Blender's window hung:", process.communicate()[0])
+        return None
 
 
 # Stands for a layout, and for all that a layout gives: notes what is shown in it.
