@@ -198,6 +198,34 @@ tell(told)
     assert found == [{"rgb": [0.1, 0.2, 0.3]}, {"rgb": [0.4, 0.5, 0.6]}, {"rgb": [0.4, 0.5, 0.6]}, []]
 
 
+@oldest_and_newest
+def test_nothing_comes_out_of_muted_nodes_that_nothing_is_linked_to(host, tmp_path):
+    """As Cycles of Blender 3.4 has it: 0, not what their sockets say; a link that no socket takes on counts as none."""
+    found = tell(host, tmp_path, """
+def color_of(source):
+    shader = give(node("ShaderNodeBsdfDiffuse"), Color=(.1, .2, .3, 1))
+    link(source, shader.inputs[0])
+    return surface(shader)["reflectance"]
+
+line = nodes.new(tree, "spectrum_line"); line.mute = True
+gamma = give(node("ShaderNodeGamma", mute=True), Color=(.4, .5, .6, 1))
+told = [color_of(line), color_of(gamma), color_of(node("NodeReroute")), color_of(node("ShaderNodeRGB", mute=True))]
+link(node("ShaderNodeRGB", mute=True), gamma.inputs[0]); told.append(color_of(gamma))
+empty = bpy.data.node_groups.new("Empty", "ShaderNodeTree")
+if hasattr(empty, "interface"):
+    empty.interface.new_socket("Out", in_out='OUTPUT', socket_type="NodeSocketColor")
+else:
+    empty.outputs.new("NodeSocketColor", "Out")
+told.append(color_of(node("ShaderNodeGroup", node_tree=empty)))
+rough = node("ShaderNodeMath", mute=True); rough.inputs[0].default_value = .7
+told.append(factor_of(rough))
+told.append(context.warnings)
+tell(told)
+""")
+    black, own = {"rgb": [0, 0, 0]}, {"rgb": [0.1, 0.2, 0.3]}
+    assert found == [black, black, black, own, black, black, 0, []]
+
+
 def test_image_textures_carry_their_mapping(host, tmp_path):
     found = tell(host, tmp_path, """
 mapping = give(node("ShaderNodeMapping"), Location=(.5, .25, 0), Rotation=(0, 0, math.pi / 2), Scale=(2, 3, 1))

@@ -88,29 +88,31 @@ class Graph:
 
     def follow(self, socket, path):
         """(node, output, path) that feeds an input; or (None, input, path): that input's own value
-        counts."""
+        counts. (None, None, path) is 0, as in Cycles: out of a muted node or a reroute that nothing
+        is linked to, whatever their sockets say, and out of a group without an output."""
+        passed = False
         while True:
             link = next(
                 (link for link in socket.links if link.is_valid and not link.is_muted), None
             )
             if link is None:
-                return None, socket, path
+                return None, None if passed else socket, path
             node, output = link.from_node, link.from_socket
             if node.mute:
                 inner = next((it for it in node.internal_links if it.to_socket == output), None)
                 if inner is None:
-                    return None, socket, path
-                socket = inner.from_socket
+                    return None, None if passed else socket, path
+                socket, passed = inner.from_socket, True
             elif node.bl_idname == "NodeReroute":
-                socket = node.inputs[0]
+                socket, passed = node.inputs[0], True
             elif node.bl_idname == "NodeGroupInput" and path:
-                socket = _same_socket(path[-1].inputs, output)
+                socket, passed = _same_socket(path[-1].inputs, output), False
                 path = path[:-1]
             elif node.bl_idname == "ShaderNodeGroup" and not nodes.kind_of(node):
                 inner = _group_result(node, output)
                 if inner is None:
-                    return None, socket, path
-                socket, path = inner, path + (node,)
+                    return None, None, path
+                socket, path, passed = inner, path + (node,), False
             else:
                 return node, output, path
 
@@ -334,7 +336,7 @@ class Graph:
 def own_value(socket):
     """What an input says when nothing is linked to it."""
     value = getattr(socket, "default_value", None)
-    if value is None:  # shaders and virtual sockets
+    if value is None:  # shaders, virtual sockets, and no socket at all
         return Constant(0.0)
     if isinstance(value, (int, float)):  # bool too
         return Constant(decimal(value))
