@@ -33,14 +33,25 @@ static char *skip_blanks(char *text)
     return text + strspn(text, " \t");
 }
 
+/* What parts the values of a line. Beside semicolons a comma is a decimal mark, and becomes the point that strtod knows. */
+static const char *marks_of(char *line)
+{
+    if (!strchr(line, ';'))
+        return strchr(line, ',') ? "," : " \t";
+    for (char *comma = line; (comma = strchr(comma, ','));)
+        *comma = '.';
+    return ";";
+}
+
 /* Values of a line. Where commas or semicolons part them an empty place is a missing value; otherwise blanks part them. Words that are
    no number (nan, -, n/a) are missing, too. Returns how many there are, at most VALUES. */
 static int read_values(char *text, float *values)
 {
-    const char *marks = strpbrk(text, ",;") ? ",;" : " \t";
+    const char *marks = marks_of(text);
+    bool places = marks[0] != ' ';
     int count = 0;
     text = skip_blanks(text);
-    while (count < VALUES && (*text || (count > 0 && marks[0] == ','))) {
+    while (count < VALUES && (*text || (count > 0 && places))) {
         size_t length = strcspn(text, marks);
         char after = text[length], *end;
         text[length] = 0;
@@ -50,8 +61,8 @@ static int read_values(char *text, float *values)
         if (!after)
             break;
         text = skip_blanks(text);
-        if (!*text && marks[0] == ',') {
-            values[count++] = NAN; /* the line ends in a comma */
+        if (!*text && places) {
+            values[count++] = NAN; /* the line ends in a mark */
             break;
         }
     }
@@ -146,35 +157,66 @@ static bool begins_with(const char *line, const char *word)
     return strncmp(line + strspn(line, " \t"), word, strlen(word)) == 0;
 }
 
-static bool read_bfc_head(struct lines *lines, int six[6], const char *name, stokes_error *err)
+/* Up to the line of incident wavelengths, which is handed out without its mark. A head may hold anything, so the last six numbers count. */
+static char *read_bfc_head(struct lines *lines, int six[6], const char *name, stokes_error *err)
 {
     char *line;
-    while ((line = next_line(lines)) && !read_six(line, six)) {
-    }
-    if (!line)
-        return fail(err, name, "head", "has no line of six whole numbers (bands)");
-    if (six[3] < 2 || six[3] > RERADIATION_BANDS_MAX)
-        return fail(err, name, "head", "names %d incident wavelengths; 2 to %d are taken", six[3],
-                    RERADIATION_BANDS_MAX);
-    while ((line = next_line(lines)) && !begins_with(line, "r:c:")) {
-    }
-    return line || fail(err, name, "head", "has no line that begins with r:c:");
+    int found[6];
+    memset(six, 0, 6 * sizeof *six);
+    while ((line = next_line(lines)) && !begins_with(line, "r:c:"))
+        if (read_six(line, found))
+            memcpy(six, found, sizeof found);
+    if (six[3] == 0)
+        fail(err, name, "head", "has no line of six whole numbers (bands)");
+    else if (six[3] < 2 || six[3] > RERADIATION_BANDS_MAX)
+        fail(err, name, "head", "names %d incident wavelengths; 2 to %d are taken", six[3],
+             RERADIATION_BANDS_MAX);
+    else if (line)
+        return strstr(line, "r:c:") + strlen("r:c:");
+    else
+        fail(err, name, "head", "has no line that begins with r:c:");
+    return NULL;
+}
+
+/* Incident wavelengths as the six numbers have them; what the line after r:c: says must be the same. */
+static bool read_incident(struct table *t, char *line, const int six[6], float *values, int number,
+                          const char *name, stokes_error *err)
+{
+    int count = read_values(line, values);
+    t->count_in = six[3];
+    for (int i = 0; i < six[3]; i++)
+        t->in[i] = six[4] + (double)i * six[5];
+    if (count > 0 && count != six[3])
+        return fail(err, name, "head", "line %d names %d incident wavelengths, the line of bands %d", number,
+                    count, six[3]);
+    for (int i = 0; i < count; i++)
+        if (!(fabs(values[i] - t->in[i]) < 0.5))
+            return fail(err, name, "head", "line %d: place %d is %g nm, by the line of bands %g", number,
+                        i + 1, (double)values[i], t->in[i]);
+    return true;
+}
+
+/* Lines that begin with ; are the operator's. */
+static bool is_remark(const char *line)
+{
+    return says_nothing(line) || begins_with(line, ";");
 }
 
 static bool read_bfc(struct lines *lines, struct table *t, float *values, const char *name, stokes_error *err)
 {
     int six[6];
-    char *line;
-    if (!read_bfc_head(lines, six, name, err))
+    char *line = read_bfc_head(lines, six, name, err);
+    if (!line || !read_incident(t, line, six, values, lines->number, name, err))
         return false;
-    t->count_in = six[3];
-    for (int i = 0; i < six[3]; i++)
-        t->in[i] = six[4] + (double)i * six[5];
     while ((line = next_line(lines)) && !begins_with(line, "EOD")) {
-        if (says_nothing(line))
+        if (is_remark(line))
             continue;
         int count = read_values(line, values);
-        if (!add_row(t, values[0], values + 1, count - 1, lines->number, name, err))
+        double out = six[0] + (double)t->count_out * six[2];
+        if (!(fabs(values[0] - out) < 0.5))
+            return fail(err, name, "lines", "line %d is of %g nm, by the line of bands of %g", lines->number,
+                        (double)values[0], out);
+        if (!add_row(t, out, values + 1, count - 1, lines->number, name, err))
             return false;
     }
     int wanted = (six[1] - six[0]) / six[2] + 1;
@@ -184,9 +226,15 @@ static bool read_bfc(struct lines *lines, struct table *t, float *values, const 
 
 /* --- Either ------------------------------------------------------------------------------------------------- */
 
+/* By a line's beginning: a CSV may say in a remark what measured it. */
 static bool is_bfc(const char *text)
 {
-    return strstr(text, "BFC-450") || strstr(text, "\nr:c:") || strstr(text, "VEC_01");
+    for (; text; text = strpbrk(text, "\r\n")) {
+        text += strspn(text, " \t\r\n");
+        if (begins_with(text, "VEC_01") || begins_with(text, "BFC-450 Matrix") || begins_with(text, "r:c:"))
+            return true;
+    }
+    return false;
 }
 
 static struct measured *measured_of(const struct table *t, const char *name, stokes_error *err)
@@ -209,7 +257,7 @@ stokes_matrix *reradiation_from_text(char *text, const char *name, reradiation_n
     struct measured *raw = NULL;
     if (!t || !values)
         fail(err, name, "open", "out of memory");
-    else if ((is_bfc(text) ? read_bfc : read_csv)(&lines, t, values, name, err))
+    else if ((is_bfc(lines.next) ? read_bfc : read_csv)(&lines, t, values, name, err))
         raw = measured_of(t, name, err);
     if (t)
         free(t->share);

@@ -70,7 +70,9 @@ static void a_bfc_matrix_is_read_whatever_its_head(void **state)
     static const char *const heads[] = {"VEC_01 4\nBFC-450 Matrix File\n380 410 10 3 380 10\n",
                                         "VEC_01 4\r\nBFC-450 Matrix File\r\nsample 1 2 3\r\n\r\n1 2 3 4 "
                                         "5\r\noperator: me\r\nx\r\ny\r\nz\r\n380 410 10 3 380 10\r\n",
-                                        "BFC-450 Matrix File\n   380   410   10   3   380   10   \n\n"};
+                                        "BFC-450 Matrix File\n   380   410   10   3   380   10   \n\n",
+                                        "\xef\xbb\xbfVEC_01\t5167\nBFC-450 Matrix File\n; sample, 3; of 5\n;\n"
+                                        "1 2 3 4 5 6\n380\t410\t10\t3\t380\t10\n"};
     for (size_t i = 0; i < sizeof heads / sizeof *heads; i++) {
         char text[1000];
         struct told told;
@@ -93,7 +95,9 @@ static void separators_and_marks_of_csv_do_not_matter(void **state)
         "\xef\xbb\xbfoutgoing;380;390;400\r\n380;0.5;0;0\r\n390;0.1;0.6;0\r\n400;0.02;0.1;0.7\r\n410;0.01;0."
         "03;0.2",
         "# a note\nx 380 390 400\n380 0.5 0 0\n390 0.1 0.6 0\n400 0.02 0.1 0.7\n\n410 0.01 0.03 0.2\n",
-        "x, 380, 390, 400\n380, 0.5, 0, 0\n390, 0.1, 0.6, 0\n400, 0.02, 0.1, 0.7\n410, 0.01, 0.03, 0.2\n"};
+        "x, 380, 390, 400\n380, 0.5, 0, 0\n390, 0.1, 0.6, 0\n400, 0.02, 0.1, 0.7\n410, 0.01, 0.03, 0.2\n",
+        "x;380;390;400\n380;0,5;0;0\n390;0,1;0,6;0\n400;0,02;0,1;0,7\n410;0,01;0,03;0,2\n",
+        "# a BFC-450 Matrix of VEC_01, r:c:\n" CSV};
     struct told told;
     stokes_matrix *wanted = must_read(CSV, &told);
     for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
@@ -220,6 +224,8 @@ static void grids_that_differ_are_joined_and_energy_is_kept(void **state)
     reradiation_destroy(m);
 }
 
+#define HEAD "VEC_01\n380 410 10 3 380 10\nr:c:"
+
 static void what_is_wrong_is_named(void **state)
 {
     (void)state;
@@ -236,9 +242,11 @@ static void what_is_wrong_is_named(void **state)
     must_fail("x,400,410\n500,1,0\n510,0,1\n", "no band was measured that holds its own light");
     must_fail("VEC_01 3\nnothing\n", "six whole numbers");
     must_fail("VEC_01\n380 410 10 3 380 10\n380 1 2 3\n", "r:c:");
-    must_fail("VEC_01\n380 410 10 3 380 10\nr:c: 380\n380 1 0 0\nEOD\n",
-              "1 outgoing bands follow a head of 4");
-    must_fail("VEC_01\n380 410 10 3 380 10\nr:c: 380\n380 1 0 0\n", "and no EOD");
+    must_fail(HEAD "\n380 1 0 0\nEOD\n", "1 outgoing bands follow a head of 4");
+    must_fail(HEAD "\n380 1 0 0\n", "and no EOD");
+    must_fail(HEAD " 380 390\n380 1 0 0\n", "line 3 names 2 incident wavelengths, the line of bands 3");
+    must_fail(HEAD " 380 400 410\n380 1 0 0\n", "line 3: place 2 is 400 nm, by the line of bands 390");
+    must_fail(HEAD "\n380 1 0 0\n395 1 0 0\n", "line 5 is of 395 nm, by the line of bands of 390");
     must_fail("VEC_01\n380 410 10 100000 380 10\nr:c: 380\n", "100000 incident");
 }
 
