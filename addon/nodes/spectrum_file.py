@@ -22,10 +22,11 @@ class SpectrumFileError(Exception):
 
 def parse(text, column=1):
     """[(nm, value)] in ascending order from lines of numbers parted by commas, semicolons or
-    blanks. Lines that do not begin with a number are titles."""
+    blanks; beside semicolons a comma is a decimal mark. Lines that do not begin with a number are
+    titles. `stokes spectrum` reads the same."""
     table = []
     for number, line in enumerate(text.splitlines(), 1):
-        words = line.replace(",", " ").replace(";", " ").split()
+        words = line.replace(",", "." if ";" in line else " ").replace(";", " ").split()
         try:
             nm = float(words[0])
         except (ValueError, IndexError):

@@ -8,6 +8,7 @@
 
 #define ROWS_MAX (1 << 16)
 #define VALUE_MAX 1e30
+#define SHORTEST_NM 50.0 /* below it there is no light that a scene may carry: such a table is in µm */
 
 struct row {
     double lambda, value;
@@ -17,6 +18,13 @@ static int by_wavelength(const void *a, const void *b)
 {
     double x = ((const struct row *)a)->lambda, y = ((const struct row *)b)->lambda;
     return (x > y) - (x < y);
+}
+
+/* Where semicolons part the columns a comma is a decimal mark, as spreadsheets of half of Europe write it. */
+static void settle_commas(char *line)
+{
+    for (char *comma = strchr(line, ';') ? line : NULL; comma && (comma = strchr(comma, ','));)
+        *comma = '.';
 }
 
 /* The number in a column of a line (0: the first), parted by any run of commas, semicolons and blanks. */
@@ -33,10 +41,11 @@ static bool number_at(const char *line, int column, double *value)
 }
 
 /* False where the line says a wavelength and no value. */
-static bool read_line(const char *line, int number, int column, struct row *rows, size_t *count,
-                      const char *name, stokes_error *err)
+static bool read_line(char *line, int number, int column, struct row *rows, size_t *count, const char *name,
+                      stokes_error *err)
 {
     struct row row;
+    settle_commas(line);
     if (!number_at(line, 0, &row.lambda))
         return true;
     if (!number_at(line, column, &row.value))
@@ -67,7 +76,9 @@ static bool read_rows(char *text, int column, struct row *rows, size_t *count, c
     for (size_t i = 1; i < *count; i++)
         if (rows[i].lambda == rows[i - 1].lambda)
             return fail(err, name, "lines", "wavelength %g stands twice", rows[i].lambda);
-    return true;
+    return rows[*count - 1].lambda >= SHORTEST_NM ||
+           fail(err, name, "lines", "wavelengths end at %g: they are wanted in nm, not in µm",
+                rows[*count - 1].lambda);
 }
 
 stokes_spectrum *spectrum_from_text(char *text, int column, const char *name, stokes_error *err)

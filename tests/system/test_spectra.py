@@ -47,6 +47,12 @@ def test_a_file_is_shown_sorted_by_the_column_that_is_asked_for(core, table):
     assert numbers(core.run("spectrum", "show", table, 450, 550, 50)) == [(450, 15), (500, 20), (550, 55)]
 
 
+def test_beside_semicolons_a_comma_is_a_decimal_mark(core, tmp_path):
+    path = tmp_path / "comma.csv"
+    path.write_text("nm;a, b\n400;0,25\n500,5;0,75\n")
+    assert numbers(core.run("spectrum", "show", path)) == [(400, 0.25), (500.5, 0.75)]
+
+
 def test_an_imported_file_is_what_the_stream_takes(core, table, tmp_path):
     result = core.run("spectrum", "import", table, "--percent", "-o", tmp_path / "own.json")
     assert "3 values of 0.1 to 0.9, 400 to 600 nm" in result.stderr
@@ -77,6 +83,7 @@ def test_a_plot_holds_a_curve_for_each_spectrum(core, table, tmp_path):
         ("400 1\n500 abc\n", "line 2: no number in column 2"),
         ("400 1\n500 nan\n", "line 2"),
         ("400 1\n-5 1\n", "line 2"),
+        ("0.7 1\n0.4 1\n", "wavelengths end at 0.7: they are wanted in nm, not in µm"),
     ],
 )
 def test_what_is_no_table_is_one_line(core, tmp_path, text, why):
