@@ -208,14 +208,6 @@ class StokesSettings(bpy.types.PropertyGroup):
         soft_max=16384,
         max=1 << 24,
     )
-    viewport_samples: IntProperty(
-        name="Viewport Samples",
-        description="Paths per pixel in the viewport, after which it rests",
-        default=64,
-        min=1,
-        soft_max=4096,
-        max=1 << 24,
-    )
     preview_samples: IntProperty(
         name="Preview Samples",
         description="Paths per pixel of the little pictures of materials",
@@ -380,8 +372,8 @@ def _decimal(value):
     return float("%.7g" % value) if isinstance(value, float) else value
 
 
-def stream_settings(scene, viewport=False, preview=False):
-    """Members of the `settings` message for a final render, the viewport or a material preview."""
+def stream_settings(scene, preview=False):
+    """Members of the `settings` message for a final render or a material preview."""
     settings = scene.stokes
     message = {name: _decimal(getattr(settings, name)) for name in _SAME_IN_STREAM}
     message["lanes"] = int(message["lanes"])
@@ -391,15 +383,12 @@ def stream_settings(scene, viewport=False, preview=False):
     message["film_transparent"] = scene.render.film_transparent
     fixed = scene.render.threads_mode == 'FIXED'
     message["threads"] = scene.render.threads if fixed else 0
-    message["time_limit"] = 0.0 if viewport or preview else settings.time_limit
+    message["time_limit"] = 0.0 if preview else settings.time_limit
     return message
 
 
-def sample_count(scene, viewport=False, preview=False):
-    settings = scene.stokes
-    if preview:
-        return settings.preview_samples
-    return settings.viewport_samples if viewport else settings.samples
+def sample_count(scene, preview=False):
+    return scene.stokes.preview_samples if preview else scene.stokes.samples
 
 
 def record_path(scene):

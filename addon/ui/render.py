@@ -50,7 +50,6 @@ class STOKES_PT_sampling(RenderPanel, bpy.types.Panel):
         column.separator()
         group = column.column(align=True)
         group.prop(settings, "samples", text="Samples")
-        group.prop(settings, "viewport_samples", text="Viewport")
         group.prop(settings, "preview_samples", text="Preview")
         column.separator()
         column.prop(settings, "time_limit")

@@ -3,70 +3,23 @@
 import json
 import os
 import shutil
-import signal
-import subprocess
 
 import pytest
 
 from clock import assert_in_time
-from hosts import FAKE_CORE, INSIDE, MARK, ROOT
-
-BLENDER, XVFB, KEYS = shutil.which("blender"), shutil.which("xvfb-run"), shutil.which("xdotool")
+from hosts import FAKE_CORE, ROOT, output_in_window, told_in
 
 
 def run_in_window(code, tmp_path, fault="", core=FAKE_CORE):
-    if not BLENDER or not XVFB:
-        pytest.skip("Blender 3.4 or xvfb-run is not installed")
-    script = tmp_path / "script.py"
-    script.write_text(INSIDE.read_text() + "\n\n" + code)
-    process = subprocess.Popen(
-        [
-            XVFB,
-            "-a",
-            BLENDER,
-            "--factory-startup",
-            "-p",
-            "0",
-            "0",
-            "640",
-            "480",
-            "--python",
-            str(script),
-        ],
-        env=dict(
-            os.environ,
-            STOKES_CORE=str(core),
-            TMP_PATH=str(tmp_path),
-            ROOT=str(ROOT),
-            FAKE_CORE=fault,
-            FAKE_CORE_LOG=str(tmp_path / "log"),
-            LIBGL_ALWAYS_SOFTWARE="1",
-        ),
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        errors="replace",
-        start_new_session=True,
-    )
-    try:
-        output = process.communicate(timeout=90)[0]
-    except subprocess.TimeoutExpired:
-        os.killpg(
-            process.pid, signal.SIGKILL
-        )  # xvfb-run alone would leave Blender and its server behind
-        output = process.communicate()[0]
-    assert "Traceback" not in output, output
-    told = [json.loads(line[len(MARK) :]) for line in output.splitlines() if line.startswith(MARK)]
-    assert told, output
-    return told[-1]
+    env = dict(STOKES_CORE=str(core), FAKE_CORE=fault, FAKE_CORE_LOG=str(tmp_path / "log"))
+    return told_in(output_in_window(code, tmp_path, env=env))[-1]
 
 
 def frames(tmp_path):
     return [json.loads(line) for line in (tmp_path / "log").read_text().splitlines()]
 
 
-@pytest.mark.skipif(not KEYS, reason="xdotool is not installed")
+@pytest.mark.skipif(not shutil.which("xdotool"), reason="xdotool is not installed")
 def test_tiles_come_while_it_renders_and_esc_cancels_within_100_ms_and_keeps_them(tmp_path):
     told = run_in_window(
         """
@@ -96,7 +49,6 @@ def step():
             state["seen"] = state.get("seen", 0) + 1
         if state.get("seen", 0) > 30 and brightest("growing.png") > 0.1:  # tiles come while it renders
             state["pressed"] = time.time()
-            # Blender puts its window at the lower left of the screen of 1280 × 1024
             subprocess.run(["xdotool", "mousemove", "320", "800", "key", "Escape"], timeout=10)
     elif not bpy.app.is_job_running('RENDER'):
         state["ended"] = time.time()

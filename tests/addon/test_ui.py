@@ -1,13 +1,8 @@
 """Panels, menus and operators: in the background what can be asked there, and every tab in a real window."""
 
-import os
-import shutil
-import signal
-import subprocess
-
 import pytest
 
-from hosts import INSIDE, ROOT, host_named, oldest_and_newest
+from hosts import ROOT, host_named, oldest_and_newest, output_in_window, told_in
 
 CORE = ROOT / "build" / "stokes"
 
@@ -247,30 +242,12 @@ tell(told)
     assert [count for _emission, count in found] == [3, 3, 3, 2]
 
 
-@pytest.mark.skipif(not (shutil.which("xvfb-run") and shutil.which("blender")), reason="needs Blender and Xvfb")
 def test_every_tab_draws_in_a_window_and_adding_a_node_can_be_undone(tmp_path):
     """A panel that fails draws nothing and says so on the console."""
-    script = tmp_path / "script.py"
-    script.write_text(INSIDE.read_text() + WINDOW)
-    told = in_window(script, tmp_path) or in_window(script, tmp_path)
-    assert told, "Blender's window hung twice"
-    assert "Traceback" not in told and "Error" not in told, told
-    assert '["undo", 1, 0]' in told and '"LIGHT AREA"' in told, told
-
-
-def in_window(script, folder):
-    """What Blender says in a window. None if it hangs, as 3.4.1 under Xvfb does at times."""
-    process = subprocess.Popen(
-        ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", "blender", "--factory-startup", "--window-geometry", "0", "0",
-         "1280", "1024", "--python", str(script)], cwd=folder, text=True, errors="replace", start_new_session=True,
-        env=dict(os.environ, LIBGL_ALWAYS_SOFTWARE="1", ROOT=str(ROOT), TMP_PATH=str(folder)),
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    try:
-        return process.communicate(timeout=100)[0]
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        print("Blender's window hung:", process.communicate()[0])
-        return None
+    output = output_in_window(WINDOW, tmp_path, (1280, 1024), dict(STOKES_CORE=str(CORE)))
+    assert "Error" not in output, output
+    (seen,) = told_in(output)
+    assert ["undo", 1, 0] in seen and "LIGHT AREA" in seen, output
 
 
 # Stands for a layout, and for all that a layout gives: notes what is shown in it.
