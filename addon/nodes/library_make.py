@@ -12,13 +12,13 @@ import sys
 FIRST, LAST, STEP = 300, 830, 5
 SOURCE = (
     "Made by library_make.py from csrc/spectrum/library (sources: its generate.py); "
-    "the CIE observer, A and the D illuminants from colour-science (BSD-3-Clause)"
+    "the CIE observer from colour-science (BSD-3-Clause)"
 )
 GRID = str(FIRST), str(LAST), str(STEP)
 
 
 def core_library(stokes):
-    """{name: values on the grid}"""
+    """{name: values on the grid}, without the glasses: they are an index, no light and no colour."""
 
     def run(*arguments):
         return subprocess.run(
@@ -28,6 +28,7 @@ def core_library(stokes):
     return {
         name: [number(line.split()[1]) for line in run("show", name, *GRID).splitlines()]
         for name in run("list").splitlines()
+        if not name.startswith("glass/")
     }
 
 
@@ -50,20 +51,7 @@ def observer():
     return [[number(v) for v in cmfs[:, i]] for i in range(3)]
 
 
-def illuminants():
-    """Those that the core computes and so does not list."""
-    import colour
-
-    shape = colour.SpectralShape(FIRST, LAST, STEP)
-    return {
-        name: [number(v) for v in colour.SDS_ILLUMINANTS[name].copy().align(shape).values]
-        for name in ("A", "D50", "D55", "D65", "D75")
-    }
-
-
 def write(entries, path):
-    entries = dict(entries)
-    entries.update(("illuminant/" + name, values) for name, values in illuminants().items())
     head = {
         "source": SOURCE,
         "first": FIRST,

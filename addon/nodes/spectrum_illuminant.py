@@ -44,8 +44,6 @@ class SpectrumIlluminant(NodeKind):
 
 
 def curve(settings):
-    if settings.illuminant == "E":
-        return [1.0] * len(library.wavelengths())
     return library.values("illuminant/" + settings.illuminant)
 
 

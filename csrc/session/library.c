@@ -6,13 +6,28 @@
 
 #include "base/error.h"
 #include "base/os.h"
+#include "material/lobe.h"
 #include "session/session.h"
 #include "spectrum/library/library.h"
 #include "spectrum/spectrum_text.h"
 
+/* Illuminants that are computed and glasses, which are formulas, are handed out as tables like the rest. */
+#define TABLE_STEP_NM 5
+#define LIGHT_MIN_NM 300
+#define LIGHT_MAX_NM 830
+
 const char *stokes_library_name(size_t index)
 {
-    return library_name(index);
+    if (index < library_count())
+        return library_name(index);
+    index -= library_count();
+    size_t computed = 0;
+    while (illuminant_computed_at(computed))
+        computed++;
+    if (index < computed)
+        return illuminant_computed_at(index);
+    const struct glass *glass = glass_at(index - computed);
+    return glass ? glass->name : NULL;
 }
 
 /* "dye/NAME/emission" → NAME. */
@@ -23,12 +38,38 @@ static bool dye_of(const char *name, char dye[96])
            snprintf(dye, 96, "%.*s", (int)(end - name - 4), name + 4) < 96;
 }
 
+/* By the name that stokes_library_name says: what an `ior` may call BK7 is glass/BK7 here. */
+static const struct glass *listed_glass(const char *name)
+{
+    const struct glass *glass = glass_find(name);
+    return glass && strcmp(glass->name, name) == 0 ? glass : NULL;
+}
+
+static bool about_formula(const char *name, stokes_library_notes *notes)
+{
+    const struct glass *glass = listed_glass(name);
+    if (glass)
+        *notes = (stokes_library_notes){.source = glass->source,
+                                        .licence = "CC0",
+                                        .first_nm = (double)glass->min_nm,
+                                        .last_nm = (double)glass->max_nm};
+    else if (illuminant_is_computed(name))
+        *notes = (stokes_library_notes){
+            .source = "CIE 015:2018, A and E by formula, daylight from PyPI colour-science 0.4.7",
+            .licence = "BSD-3-Clause",
+            .first_nm = LIGHT_MIN_NM,
+            .last_nm = LIGHT_MAX_NM};
+    else
+        return false;
+    return true;
+}
+
 bool stokes_library_about(const char *name, stokes_library_notes *notes)
 {
     const struct library_entry *entry = library_find(name);
     char dye[96];
     if (!entry)
-        return false;
+        return about_formula(name, notes);
     *notes = (stokes_library_notes){
         .source = library_source(entry),
         .licence = library_licence(entry),
@@ -40,28 +81,57 @@ bool stokes_library_about(const char *name, stokes_library_notes *notes)
     return true;
 }
 
-static stokes_spectrum *of_library(const struct library_entry *entry)
+static stokes_spectrum *table_create(size_t count, bool holds)
 {
-    stokes_spectrum *s = malloc(sizeof *s + 2 * (size_t)entry->count * sizeof(double));
-    if (!s)
-        return NULL;
-    double *lambda = (double *)(s + 1), *value = lambda + entry->count;
-    *s = (stokes_spectrum){entry->count, lambda, value, entry->beyond == BEYOND_HOLD};
-    for (size_t i = 0; i < entry->count; i++) {
-        lambda[i] = library_entry_lambda(entry, i);
-        value[i] = library_entry_value(entry, i);
+    stokes_spectrum *s = malloc(sizeof *s + 2 * count * sizeof(double));
+    if (s)
+        *s = (stokes_spectrum){count, (double *)(s + 1), (double *)(s + 1) + count, holds};
+    return s;
+}
+
+static stokes_spectrum *of_entry(const struct library_entry *entry)
+{
+    stokes_spectrum *s = table_create(entry->count, entry->beyond == BEYOND_HOLD);
+    for (size_t i = 0; s && i < entry->count; i++) {
+        s->lambda_nm[i] = (double)library_entry_lambda(entry, i);
+        s->value[i] = (double)library_entry_value(entry, i);
     }
+    return s;
+}
+
+static stokes_spectrum *of_glass(const struct glass *glass)
+{
+    struct ior ior;
+    int first = (int)ceilf(glass->min_nm / TABLE_STEP_NM), last = (int)(glass->max_nm / TABLE_STEP_NM);
+    stokes_spectrum *s = table_create((size_t)(last - first + 1), true);
+    for (size_t i = 0; s && ior_library(glass->name, &ior) && i < s->count; i++) {
+        s->lambda_nm[i] = TABLE_STEP_NM * (first + (double)i);
+        s->value[i] = (double)ior_eval(&ior, (float)s->lambda_nm[i]);
+    }
+    return s;
+}
+
+static stokes_spectrum *of_illuminant(const char *name, stokes_error *err)
+{
+    const struct range range = {LIGHT_MIN_NM, LIGHT_MAX_NM};
+    struct spectrum *light = spectrum_library(range, name, name, err);
+    stokes_spectrum *s =
+        light ? table_create((LIGHT_MAX_NM - LIGHT_MIN_NM) / TABLE_STEP_NM + 1, false) : NULL;
+    for (size_t i = 0; s && i < s->count; i++) {
+        s->lambda_nm[i] = LIGHT_MIN_NM + TABLE_STEP_NM * (double)i;
+        s->value[i] = (double)spectrum_eval(light, (float)s->lambda_nm[i]);
+    }
+    spectrum_destroy(light);
     return s;
 }
 
 stokes_spectrum *stokes_spectrum_read(const char *what, int column, stokes_error *err)
 {
     const struct library_entry *entry = library_find(what);
-    if (entry) {
-        stokes_spectrum *s = of_library(entry);
-        if (!s)
-            fail(err, what, "library", "out of memory");
-        return s;
+    const struct glass *glass = listed_glass(what);
+    if (entry || glass || illuminant_is_computed(what)) {
+        fail(err, what, "library", "out of memory");
+        return entry ? of_entry(entry) : glass ? of_glass(glass) : of_illuminant(what, err);
     }
     char *text = session_read_text(what, err);
     stokes_spectrum *s = text ? spectrum_from_text(text, column, what, err) : NULL;

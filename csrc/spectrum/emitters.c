@@ -118,6 +118,22 @@ struct spectrum *spectrum_illuminant(struct range range, const char *illuminant,
     return NULL;
 }
 
+const char *illuminant_computed_at(size_t index)
+{
+    static const char *const names[] = {"illuminant/A",   "illuminant/D50", "illuminant/D55",
+                                        "illuminant/D65", "illuminant/D75", "illuminant/E"};
+    return index < sizeof names / sizeof *names ? names[index] : NULL;
+}
+
+bool illuminant_is_computed(const char *name)
+{
+    const char *computed;
+    for (size_t i = 0; (computed = illuminant_computed_at(i)); i++)
+        if (strcmp(computed, name) == 0)
+            return true;
+    return false;
+}
+
 struct spectrum *spectrum_gaussian(struct range range, double mean, double sigma, double peak,
                                    const char *name, stokes_error *err)
 {

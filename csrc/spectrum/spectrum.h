@@ -45,6 +45,9 @@ struct spectrum *spectrum_table(struct range, const float *lambda, const float *
 struct spectrum *spectrum_blackbody(struct range, double kelvin, const char *name, stokes_error *err);
 struct spectrum *spectrum_daylight(struct range, double kelvin, const char *name, stokes_error *err);
 struct spectrum *spectrum_illuminant(struct range, const char *illuminant, const char *name, stokes_error *err);
+/* The illuminants without a table in the library, by the names that they have there ("illuminant/D65"); NULL past the end. */
+const char *illuminant_computed_at(size_t index);
+bool illuminant_is_computed(const char *name);
 struct spectrum *spectrum_gaussian(struct range, double mean, double sigma, double peak, const char *name, stokes_error *err);
 struct spectrum *spectrum_line(struct range, double center, double width, const char *name, stokes_error *err);
 struct spectrum *spectrum_library(struct range, const char *entry, const char *name, stokes_error *err);

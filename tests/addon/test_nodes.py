@@ -192,9 +192,8 @@ def test_the_menus_list_what_the_core_knows():
     def core(*arguments):
         return subprocess.run([CORE, "spectrum", *arguments], check=True, timeout=30, text=True,
                               capture_output=True).stdout.splitlines()
-    computed = {"illuminant/" + name for name in ("A", "D50", "D55", "D65", "D75")}
-    assert set(library["entries"]) - computed == set(core("list"))
-    for name in ("colorchecker/cyan", "dye/rhodamine-b_ethanol/emission", "metal/Au/k", "lamp/LED-B4"):
+    assert set(library["entries"]) == {name for name in core("list") if not name.startswith("glass/")}
+    for name in ("colorchecker/cyan", "illuminant/D65", "dye/rhodamine-b_ethanol/emission", "metal/Au/k", "lamp/LED-B4"):
         values = [float(line.split()[1]) for line in core("show", name, "300", "830", "5")]
         assert library["entries"][name] == pytest.approx(values, rel=1e-4, abs=1e-6), name
 

@@ -166,7 +166,9 @@ static void glasses_have_their_printed_index(void **state)
                    {"diamond", 2.4175, 1e-3}, {"water", 1.3334, 2e-4},         {"CaF2", 1.43385, 2e-5}};
     for (size_t i = 0; i < sizeof printed / sizeof *printed; i++)
         assert_float_equal(index_of(printed[i].name, 587.5618), printed[i].n_d, printed[i].tolerance);
+    assert_ptr_equal(glass_find("glass/BK7"), glass_find("BK7"));
     assert_null(glass_find("no such glass"));
+    assert_null(glass_find("glass/"));
 }
 
 static void every_glass_disperses_normally_over_the_whole_range(void **state)

@@ -5,6 +5,8 @@ import xml.etree.ElementTree as xml
 
 import pytest
 
+import scenes
+
 ROWS = "nm;percent\n# a title\n500;20;1\n400;10;2\n600 90 3\n"
 
 
@@ -22,9 +24,11 @@ def numbers(result):
 def test_every_entry_has_a_source_a_licence_and_its_measured_range(core):
     names = core.run("spectrum", "list").stdout.splitlines()
     lines = core.run("spectrum", "list", "--long").stdout.splitlines()
-    assert len(names) == len(lines) > 190
+    assert len(set(names)) == len(names) == len(lines) > 230
     for name, line in zip(names, lines):
         assert line.startswith(name + "  ") and " nm  " in line and "(" in line, line
+    for shelf, count in {"colorchecker": 24, "illuminant": 19, "lamp": 14, "metal": 36, "glass": 28, "dye": 118}.items():
+        assert sum(name.startswith(shelf + "/") for name in names) == count, shelf
 
 
 def test_quantum_yields_come_with_who_measured_them(core):
@@ -39,6 +43,34 @@ def test_an_entry_is_shown_between_its_knots(core):
     values = [value for _, value in numbers(found)]
     assert values[1] == pytest.approx((values[0] + values[2]) / 2, rel=1e-4)
     assert "ColorChecker" in found.stderr and "BSD-3-Clause" in found.stderr
+
+
+@pytest.mark.parametrize(
+    "name,nm,value,source",
+    [
+        ("illuminant/D65", 400, 0.827549, "CIE 015:2018"),
+        ("illuminant/A", 400, 0.147080, "CIE 015:2018"),
+        ("illuminant/D50", 500, 0.957243, "CIE 015:2018"),
+        ("illuminant/E", 700, 1, "CIE 015:2018"),
+        ("glass/BK7", 590, 1.51670, "SCHOTT"),  # n_D, at 589.3 nm, is 1.51673
+    ],
+)
+def test_what_is_a_formula_is_listed_and_shown_like_the_rest(core, name, nm, value, source):
+    """Illuminants as CIE 015:2018 prints them, over 100."""
+    found = core.run("spectrum", "show", name, nm, nm + 5, 5)
+    assert numbers(found)[0] == (nm, pytest.approx(value, rel=2e-5)) and source in found.stderr
+
+
+def test_every_name_of_a_light_or_a_colour_is_what_the_stream_takes(core, tmp_path):
+    names = [name for name in core.run("spectrum", "list").stdout.splitlines() if not name.startswith("glass/")]
+    with scenes.stream.Recorder(tmp_path / "all.stokes") as out:
+        for name in names:
+            light = {"shape": {"library": name}, "scale": 1, "unit": "per_nm"}
+            out.send("material", name=name, surface={"emission": light, "two_sided": True})
+        scenes.camera(out)
+        scenes.mesh(out, "box", *scenes.cube())
+        scenes.instance(out, "box", [names[-1]])
+    core.run("render", tmp_path / "all.stokes", "-o", tmp_path / "all.exr", "--spp", 1)
 
 
 def test_a_file_is_shown_sorted_by_the_column_that_is_asked_for(core, table):

@@ -18,11 +18,6 @@ def _table(spectrum):
     return library.on_grid(list(zip(table["lambda"], table["value"])), True)
 
 
-def _illuminant(spectrum):
-    name = "illuminant/" + spectrum["illuminant"]
-    return [1.0] * len(library.wavelengths()) if name == "illuminant/E" else library.values(name)
-
-
 def _parts(spectra):
     values = [on_grid(part) for part in spectra]
     return None if None in values else list(zip(*values))
@@ -54,7 +49,7 @@ _FORMS = {
     "rgb": lambda s: [min(1.0, max(0.0, max(s["rgb"])))] * len(library.wavelengths()),
     "table": _table,
     "library": lambda s: library.values(s["library"]),
-    "illuminant": _illuminant,
+    "illuminant": lambda s: library.values("illuminant/" + s["illuminant"]),
     "blackbody": lambda s: spectrum_blackbody.curve(s["blackbody"]),
     "gaussian": lambda s: spectrum_gaussian.curve(
         s["gaussian"]["mean"], s["gaussian"]["sigma"], s["gaussian"]["peak"]

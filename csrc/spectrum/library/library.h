@@ -26,6 +26,7 @@ bool library_yield(const char *dye, double *yield, const char **source);
 /* An entry by name or by index; NULL if there is none. */
 const struct library_entry *library_find(const char *name);
 const struct library_entry *library_at(size_t index);
+size_t library_count(void);
 float library_entry_lambda(const struct library_entry *, size_t knot);
 float library_entry_value(const struct library_entry *, size_t knot);
 
@@ -53,11 +54,11 @@ const float *library_daylight(int i);
 /* Glasses, liquids and crystals: n² = 1 + Σ B·λ²/(λ² − C), λ in µm: B1 C1 B2 C2 B3 C3 (C in µm²). Ordinary ray. min_nm
    and max_nm are where the source says that it holds; below that it still rises smoothly down to 300 nm. */
 struct glass {
-    const char *name; /* "BK7", "fused_silica", "water", … */
+    const char *name, *source; /* "glass/BK7", "glass/fused_silica", "glass/water", … */
     double term[6];
     float min_nm, max_nm;
 };
-const struct glass *glass_find(const char *name); /* NULL if unknown */
+const struct glass *glass_find(const char *name); /* with its shelf or without; NULL if unknown */
 const struct glass *glass_at(size_t index);       /* NULL past the end */
 
 #endif
