@@ -88,6 +88,23 @@ bpy.ops.render.render()
 tell([count, len(kinds)])
 """
 
+CHOICES = """
+def choices(kind):
+    \"\"\"Settings that make each item of each drop-down count: a drop-down may itself be picked in another one.\"\"\"
+    drops = [prop for prop in kind.Settings.bl_rna.properties if prop.type == 'ENUM']
+    for prop in drops:
+        above = {drop.identifier: item.identifier for drop in drops for item in drop.enum_items
+                 if item.identifier.lower() == prop.identifier}
+        for item in prop.enum_items:
+            yield dict(above, **{prop.identifier: item.identifier})
+
+for kind in nodes.KINDS.values():
+    for settings in choices(kind) if kind.Settings else ():
+        add_kind("%s %s" % (kind.name, settings), lambda tree: nodes.new(tree, kind.name, **settings), None)
+bpy.ops.render.render()
+tell(count)
+"""
+
 
 @pytest.mark.skipif(not CORE.exists(), reason="the core is not built")
 @pytest.mark.parametrize("values", ["(None, 0.0)", "(-3.0, 1e6)"])
@@ -96,3 +113,10 @@ def test_the_core_takes_whatever_a_node_may_say(host, tmp_path, values):
     """A frame that the core refuses ends the render with an error that names the material."""
     count, kinds = host.run(SCENE.replace("VALUES", values), tmp_path, env={"STOKES_CORE": str(CORE)})
     assert kinds > 80 and count > 500
+
+
+@pytest.mark.skipif(not CORE.exists(), reason="the core is not built")
+@oldest_and_newest
+def test_the_core_takes_every_choice_of_every_drop_down(host, tmp_path):
+    scene = SCENE[: SCENE.index("probe = ")] + 'probe = bpy.data.materials.new("Probe")\nprobe.use_nodes = True\n'
+    assert host.run(scene + CHOICES, tmp_path, env={"STOKES_CORE": str(CORE)}) > 500
