@@ -98,7 +98,10 @@ def lathe(name, profile, surface, center, segments=160):
 def saucer(nodes):
     """From below: hull and deck of silver, on it the dome, half a ball of glass, and the lamp within
     the glass."""
-    silver = build.material("Silver", lambda tree: nodes.new(tree, "conductor", metal="Ag"))
+    silver = build.material(
+        "Silver",
+        lambda tree: nodes.new(tree, "conductor", metal="Ag", sockets={"Roughness": 0.0}),
+    )
     glass = build.material(
         "Dome",
         lambda tree: nodes.new(

@@ -60,7 +60,8 @@ def test_a_scene_script_writes_its_picture_and_its_scene_file(host, tmp_path, sc
 
 @pytest.mark.parametrize("host", ["3.4"], indirect=True)
 def test_the_ufo_scene_is_full_of_the_medium_that_is_shown(host, tmp_path):
-    """Figure 6 of the supplemental is drawn from the script's constants; the stream has the same medium, and the coral in it."""
+    """Figure 6 of the supplemental is drawn from the script's constants; the stream has the same medium, and the coral in it.
+    Saucer and dome are smooth, of silver and of a glass of Abbe number 10 (§4.2)."""
     sys.path.append(str(ROOT / "tests" / "figures"))
     from spectra import constants, gaussian, medium
     nm = np.arange(300.0, 831.0)
@@ -78,6 +79,8 @@ def test_the_ufo_scene_is_full_of_the_medium_that_is_shown(host, tmp_path):
     assert extinction.min() > 0.05 and np.ptp(extinction) > 0.05
     assert np.allclose(extinction, medium(nm)[0]) and np.allclose(scattering / extinction, medium(nm)[1])
     assert constants("ufo")["CORAL"][1] in sent["Coral"]["surface"]["emission"]["library"]
+    assert sent["Silver"]["surface"] == {"bsdf": "conductor", "metal": "Ag", "roughness": 0}
+    assert sent["Dome"]["surface"]["ior"] == {"n_d": 1.3, "abbe": 10} and sent["Dome"]["surface"]["roughness"] == 0
     assert sent["Coral"]["volume"] is None and sent["Medium"]["surface"]["bsdf"] == "transparent"
 
 
