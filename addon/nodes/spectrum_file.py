@@ -54,9 +54,17 @@ def parse(text, column=1):
     return table
 
 
+def below_zero(table):
+    """What is done about an instrument's noise about zero, in words; empty if there is none."""
+    low = [value for _nm, value in table if value < 0.0]
+    if not low:
+        return ""
+    counts = len(low), len(table), min(low)
+    return "%d of %d values are below zero, down to %.3g: taken as 0" % counts
+
+
 def _read(self, context):
-    self.problem = ""
-    self.data = ""
+    self.problem = self.notes = self.data = ""
     if self.filepath:
         try:
             with open(
@@ -64,6 +72,7 @@ def _read(self, context):
             ) as source:
                 table = parse(source.read(), self.column)
             self.data = " ".join("%.9g %.9g" % row for row in table)
+            self.notes = below_zero(table)
         except (OSError, SpectrumFileError) as error:
             self.problem = getattr(error, "strerror", None) or str(error)
     on_change(self, context)
@@ -98,6 +107,9 @@ class StokesSpectrumFileSettings(bpy.types.PropertyGroup):
         update=on_change,
     )
     data: StringProperty(name="Data", options={'HIDDEN'}, description="What was read from the file")
+    notes: StringProperty(
+        name="Notes", options={'HIDDEN'}, description="What was done about noise below zero"
+    )
     problem: StringProperty(
         name="Problem", options={'HIDDEN'}, description="Why the file could not be read"
     )
@@ -128,6 +140,8 @@ class SpectrumFile(NodeKind):
         layout.prop(settings, "filepath")
         if settings.problem:
             layout.label(text=settings.problem, icon='ERROR')
+        if settings.notes:
+            layout.label(text=settings.notes, icon='INFO')
         layout.prop(settings, "column")
         layout.prop(settings, "kind")
         if settings.kind == 'EMISSION':
@@ -140,7 +154,7 @@ def table_of(settings):
     """[(nm, value)], empty if nothing was read."""
     numbers = [float(word) for word in settings.data.split()]
     scale = 0.01 if settings.percent and settings.kind != 'EMISSION' else 1.0
-    return [(nm, scale * value) for nm, value in zip(numbers[::2], numbers[1::2])]
+    return [(nm, max(0.0, scale * value)) for nm, value in zip(numbers[::2], numbers[1::2])]
 
 
 def curve(settings):

@@ -24,8 +24,8 @@ static const char help[] =
     "file,\n"
     "          its own wavelengths. Where an entry is from goes to stderr\n"
     "  plot    a sheet of curves as SVG, to stdout without -o\n"
-    "  import  checks and sorts a file, and writes it as OUT: CSV or, by its ending .json, as the stream\n"
-    "          takes it, {\"table\": …}\n"
+    "  import  checks and sorts a file, takes what is below zero as 0, and writes it as OUT: CSV or, by its\n"
+    "          ending .json, as the stream takes it, {\"table\": …}\n"
     "\n"
     "  -o, --output FILE\n"
     "  -c, --column N       of a file, which holds the values; the wavelengths are column 0; default 1\n"
@@ -202,6 +202,22 @@ static void tell(const char *path, const stokes_spectrum *s)
             s->lambda_nm[0], s->lambda_nm[s->count - 1]);
 }
 
+/* An instrument's noise about zero: no light is negative, and the stream takes none. */
+static void cut_noise(const char *path, stokes_spectrum *s)
+{
+    size_t cut = 0;
+    double low = 0;
+    for (size_t i = 0; i < s->count; i++)
+        if (s->value[i] < 0) {
+            low = s->value[i] < low ? s->value[i] : low;
+            s->value[i] = 0;
+            cut++;
+        }
+    if (cut > 0)
+        fprintf(stderr, "stokes: %s: %zu of %zu values are below zero, down to %.3g: taken as 0\n", path, cut,
+                s->count, low);
+}
+
 static int import(const struct arguments *a)
 {
     stokes_error err;
@@ -212,6 +228,7 @@ static int import(const struct arguments *a)
         return cli_fail(&err);
     for (size_t i = 0; a->percent && i < s->count; i++)
         s->value[i] /= 100;
+    cut_noise(a->place[0], s);
     bool good = stokes_spectrum_write(s, a->out, &err);
     if (good)
         tell(a->place[0], s);

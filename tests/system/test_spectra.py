@@ -94,6 +94,15 @@ def test_an_imported_file_is_what_the_stream_takes(core, table, tmp_path):
     assert (tmp_path / "sorted.csv").read_text() == "nm,value\n400,10\n500,20\n600,90\n"
 
 
+def test_noise_below_zero_is_cut_and_told(core, tmp_path):
+    path = tmp_path / "noisy.csv"
+    path.write_text("400 50\n500 -1\n600 -0.5\n")
+    result = core.run("spectrum", "import", path, "-p", "-o", tmp_path / "own.json")
+    assert "2 of 3 values are below zero, down to -0.01: taken as 0" in result.stderr.splitlines()[0]
+    assert json.loads((tmp_path / "own.json").read_text())["table"]["value"] == [0.5, 0, 0]
+    assert numbers(core.run("spectrum", "show", path))[1] == (500, -1)
+
+
 def test_a_plot_holds_a_curve_for_each_spectrum(core, table, tmp_path):
     core.run("spectrum", "plot", "colorchecker/red", "dye/dsred/emission", table, "-o", tmp_path / "plot.svg")
     sheet = xml.fromstring((tmp_path / "plot.svg").read_text())
