@@ -22,7 +22,7 @@ static const char help[] =
     "  import  a measurement: cleaned, and both sides on one grid\n"
     "  export  the matrix of a scene's material, lit at 45° and seen at 0°\n"
     "  show    what each incident band reflects and re-emits\n"
-    "  list    the library's measured matrices\n"
+    "  list    the library's measured matrices, where they are from and their licence\n"
     "\n"
     "  -o, --output FILE\n"
     "  -p, --pixel X,Y              of a picture, from the top left; default: the mean of all\n"
@@ -107,6 +107,19 @@ static int import(const struct arguments *a)
                   a->out, &err);
 }
 
+/* What a photometer sees of a mirror. */
+static void tell_dark(const stokes_matrix *m, const char *material)
+{
+    double most = 0;
+    for (int i = 0; m && i < m->count_in * m->count_out; i++)
+        most = fmax(most, (double)m->share[i]);
+    if (m && most <= 0)
+        fprintf(stderr,
+                "stokes: %s: matrix: nothing leaves at 0° of what arrives at 45°, as of black, mirrors and "
+                "glass\n",
+                material);
+}
+
 static int export(const struct arguments *a)
 {
     const stokes_listener listener = {.warning = print_note};
@@ -117,6 +130,7 @@ static int export(const struct arguments *a)
         m = stokes_session_matrix(session, a->place[1], a->bands[0],
                                   (int)((a->bands[1] - a->bands[0]) / a->bands[2] + 1e-6) + 1, a->bands[2],
                                   &err);
+    tell_dark(m, a->place[1]);
     int status = finish(m, a->out, &err);
     stokes_session_destroy(session);
     return status;
@@ -172,9 +186,12 @@ static int show(const struct arguments *a)
 static int list(const struct arguments *a)
 {
     const char *name;
+    stokes_library_notes notes;
     (void)a;
     for (size_t i = 0; (name = stokes_matrix_name(i)); i++)
-        puts(name);
+        if (stokes_library_about(name, &notes))
+            printf("%s  %g–%g nm  %s (%s)\n", name, notes.first_nm, notes.last_nm, notes.source,
+                   notes.licence);
     return 0;
 }
 

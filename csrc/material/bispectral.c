@@ -17,15 +17,22 @@
 
 /* --- Names of channels -------------------------------------------------------------------------------------- */
 
-/* "380,000000nm": a number with a comma, then metres or hertz with a prefix. Ends at a dot or the name's end. */
+/* nm of metres or hertz with a prefix; 0 if it is neither. */
+static double nm_of(double value, const char *unit)
+{
+    static const char prefixes[] = "YZEPTGMk munp"; /* 1000^8 down to 1000^-4 */
+    const char *prefix =
+        *unit && strcmp(unit, "m") != 0 && strcmp(unit, "Hz") != 0 ? strchr(prefixes, *unit) : NULL;
+    double thousands = prefix ? 8 - (double)(prefix - prefixes) : 0;
+    unit += prefix != NULL;
+    if (strcmp(unit, "m") == 0)
+        return value * pow(1000, thousands + 3);
+    return strcmp(unit, "Hz") == 0 ? SPEED_OF_LIGHT_NM_S / (value * pow(1000, thousands)) : 0;
+}
+
+/* "380,000000nm": a number with a comma and its unit. Ends at a dot or the name's end. */
 static bool read_wavelength(const char **text, double *nm)
 {
-    static const struct {
-        const char *unit;
-        double factor;
-        bool frequency;
-    } units[] = {{"nm", 1, false},    {"um", 1e3, false}, {"mm", 1e6, false}, {"m", 1e9, false},
-                 {"THz", 1e12, true}, {"GHz", 1e9, true}, {"Hz", 1, true}};
     char part[EXR_NAME_MAX + 1], *end, *comma;
     size_t length = strcspn(*text, ".");
     if (length == 0 || length > EXR_NAME_MAX)
@@ -35,22 +42,18 @@ static bool read_wavelength(const char **text, double *nm)
     if ((comma = strchr(part, ',')))
         *comma = '.';
     double value = strtod(part, &end);
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (strcmp(end, units[i].unit) == 0 && value > 0 && isfinite(value)) {
-            *nm = units[i].frequency ? SPEED_OF_LIGHT_NM_S / (value * units[i].factor)
-                                     : value * units[i].factor;
-            *text += length + ((*text)[length] == '.');
-            return isfinite(*nm) && *nm > 0;
-        }
-    return false;
+    *nm = nm_of(value, end);
+    *text += length + ((*text)[length] == '.');
+    return isfinite(*nm) && *nm > 0;
 }
 
-/* T.λ or T.λi.λo; other channels (RGB, emission, polarisation) are no reradiation. */
+/* T.λ or T.λi.λo, and M00 for T as the layout's draft had it; other channels (RGB, emission, polarisation) are no reradiation. */
 static bool read_name(const char *name, double *in, double *out)
 {
-    if (strncmp(name, "T.", 2) != 0)
+    size_t head = strncmp(name, "T.", 2) == 0 ? 2 : strncmp(name, "M00.", 4) == 0 ? 4 : 0;
+    if (head == 0)
         return false;
-    name += 2;
+    name += head;
     if (!read_wavelength(&name, in))
         return false;
     *out = *in;

@@ -45,10 +45,18 @@ static const struct glass *listed_glass(const char *name)
     return glass && strcmp(glass->name, name) == 0 ? glass : NULL;
 }
 
-static bool about_formula(const char *name, stokes_library_notes *notes)
+/* Of what is no table of values over wavelengths. */
+static bool about_other(const char *name, stokes_library_notes *notes)
 {
     const struct glass *glass = listed_glass(name);
-    if (glass)
+    const struct library_matrix *matrix = library_matrix_find(name);
+    if (matrix)
+        *notes = (stokes_library_notes){
+            .source = matrix->source,
+            .licence = matrix->licence,
+            .first_nm = (double)matrix->first_in,
+            .last_nm = (double)(matrix->first_in + matrix->step * (float)(matrix->count_in - 1))};
+    else if (glass)
         *notes = (stokes_library_notes){.source = glass->source,
                                         .licence = "CC0",
                                         .first_nm = (double)glass->min_nm,
@@ -69,7 +77,7 @@ bool stokes_library_about(const char *name, stokes_library_notes *notes)
     const struct library_entry *entry = library_find(name);
     char dye[96];
     if (!entry)
-        return about_formula(name, notes);
+        return about_other(name, notes);
     *notes = (stokes_library_notes){
         .source = library_source(entry),
         .licence = library_licence(entry),

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/error.h"
+#include "spectrum/spectrum_text.h"
 
 /* Of values and of their mean over three bands: what lies lower is noise, and what nowhere rises so high. */
 #define NOISE_SUPPORT 1.0
@@ -80,6 +81,9 @@ static float *at(const struct measured *m, int out, int in)
 static bool check_wavelengths(const double *center, int count, const char *which, const char *name,
                               stokes_error *err)
 {
+    if (center[count - 1] < TABLE_SHORTEST_NM)
+        return fail(err, name, which, "wavelengths end at %g: they are wanted in nm, not in µm",
+                    center[count - 1]);
     for (int i = 0; i < count; i++) {
         if (!(center[i] > 0 && isfinite(center[i])))
             return fail(err, name, which, "wavelength %d is %g nm", i + 1, center[i]);
@@ -366,6 +370,21 @@ static stokes_matrix *regrid(const struct measured *m, const char *name, reradia
     return grid;
 }
 
+/* Materials keep energy: more than arrives they cut. */
+static void tell_excess(const stokes_matrix *m, const char *name, reradiation_note note, void *user)
+{
+    double most = 0;
+    for (int in = 0; in < m->count_in; in++) {
+        double sum = 0;
+        for (int out = 0; out < m->count_out; out++)
+            sum += (double)m->share[out * m->count_in + in];
+        most = fmax(most, sum);
+    }
+    if (most > 1 + EVEN)
+        tell(note, user, name, "energy", "up to %.4g of what arrives leaves; a material gives 1 at most%s",
+             most, most > 10 ? " (are these percent?)" : "");
+}
+
 stokes_matrix *measured_finish(struct measured *m, const char *name, reradiation_note note, void *user,
                                stokes_error *err)
 {
@@ -381,5 +400,7 @@ stokes_matrix *measured_finish(struct measured *m, const char *name, reradiation
         reradiation_destroy(matrix);
         return NULL;
     }
+    if (matrix)
+        tell_excess(matrix, name, note, user);
     return matrix;
 }

@@ -8,7 +8,6 @@
 
 #define ROWS_MAX (1 << 16)
 #define VALUE_MAX 1e30
-#define SHORTEST_NM 50.0 /* below it there is no light that a scene may carry: such a table is in µm */
 
 struct row {
     double lambda, value;
@@ -76,7 +75,7 @@ static bool read_rows(char *text, int column, struct row *rows, size_t *count, c
     for (size_t i = 1; i < *count; i++)
         if (rows[i].lambda == rows[i - 1].lambda)
             return fail(err, name, "lines", "wavelength %g stands twice", rows[i].lambda);
-    return rows[*count - 1].lambda >= SHORTEST_NM ||
+    return rows[*count - 1].lambda >= TABLE_SHORTEST_NM ||
            fail(err, name, "lines", "wavelengths end at %g: they are wanted in nm, not in µm",
                 rows[*count - 1].lambda);
 }

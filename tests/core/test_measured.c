@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/random.h"
+#include "image/exr.h"
 #include "material/bispectral.h"
 #include "spectrum/measured.h"
 
@@ -67,12 +68,13 @@ static float share(const stokes_matrix *m, int out, int in)
 static void a_bfc_matrix_is_read_whatever_its_head(void **state)
 {
     (void)state;
-    static const char *const heads[] = {"VEC_01 4\nBFC-450 Matrix File\n380 410 10 3 380 10\n",
-                                        "VEC_01 4\r\nBFC-450 Matrix File\r\nsample 1 2 3\r\n\r\n1 2 3 4 "
-                                        "5\r\noperator: me\r\nx\r\ny\r\nz\r\n380 410 10 3 380 10\r\n",
-                                        "BFC-450 Matrix File\n   380   410   10   3   380   10   \n\n",
-                                        "\xef\xbb\xbfVEC_01\t5167\nBFC-450 Matrix File\n; sample, 3; of 5\n;\n"
-                                        "1 2 3 4 5 6\n380\t410\t10\t3\t380\t10\n"};
+    static const char *const heads[] = {
+        "VEC_01 4\nBFC-450 Matrix File\n380 410 10 3 380 10\n",
+        "VEC_01 4\r\nBFC-450 Matrix File\r\nsample 1 2 3\r\n\r\n1 2 3 4 "
+        "5\r\noperator: me\r\nx\r\ny\r\nz\r\n380 410 10 3 380 10\r\n",
+        "BFC-450 Matrix File\n   380   410   10   3   380   10   \n\n",
+        "\xef\xbb\xbfVEC_01\t5167\nBFC-450 Matrix File\n; sample, 3; of 5\n;\n"
+        "1 2 3 4 5 6\n380\t410\t10\t3\t380\t10\n"};
     for (size_t i = 0; i < sizeof heads / sizeof *heads; i++) {
         char text[1000];
         struct told told;
@@ -116,7 +118,7 @@ static void missing_bands_lie_between_their_neighbours(void **state)
     stokes_matrix *m = must_read("o,400,410,420,430\n400,0.5,0,0,0\n410,,0.6,0,0\n420,nan,0.1,n/a,0\n"
                                  "430,0.2,0.1,0.2,0.9\n440,0.1,0.1,-,0.3\n",
                                  &told);
-    assert_int_equal(told.count, 1);
+    assert_int_equal(told.count, 2); /* its last column holds more than 1 */
     assert_non_null(
         strstr(told.text, "missing: 4 of 20 bands were not measured (1 of them on the diagonal)"));
     assert_float_equal(share(m, 1, 0), 0, 1e-6); /* nothing was measured below it */
@@ -224,6 +226,20 @@ static void grids_that_differ_are_joined_and_energy_is_kept(void **state)
     reradiation_destroy(m);
 }
 
+static void more_light_than_arrives_is_told(void **state)
+{
+    (void)state;
+    struct told told;
+    reradiation_destroy(must_read("o,400,410\n400,50,0\n410,20,80\n", &told));
+    assert_string_equal(
+        told.text,
+        "energy: up to 80 of what arrives leaves; a material gives 1 at most (are these percent?)\n");
+    reradiation_destroy(must_read("o,400,410\n400,0.5,0\n410,0.6,0.8\n", &told));
+    assert_string_equal(told.text, "energy: up to 1.1 of what arrives leaves; a material gives 1 at most\n");
+    reradiation_destroy(must_read("o,400,410\n400,0.5,0\n410,0.5,1\n", &told));
+    assert_int_equal(told.count, 0);
+}
+
 #define HEAD "VEC_01\n380 410 10 3 380 10\nr:c:"
 
 static void what_is_wrong_is_named(void **state)
@@ -237,6 +253,7 @@ static void what_is_wrong_is_named(void **state)
     must_fail("x,400,410\nabc,1,0\n", "line 2 begins with no wavelength");
     must_fail("x,400,410\n400,1,0\n", "1 outgoing");
     must_fail("x,400,410\n410,1,0\n400,0,1\n", "400 nm comes after 410 nm");
+    must_fail("x,0.4,0.41\n0.4,1,0\n0.41,0,1\n", "end at 0.41: they are wanted in nm, not in µm");
     must_fail("x,400,400.1\n400,1,0\n410,0,1\n", "steps of at least");
     must_fail("x,400,410\n400,1e30,0\n410,0,1\n", "is no share");
     must_fail("x,400,410\n500,1,0\n510,0,1\n", "no band was measured that holds its own light");
@@ -304,6 +321,45 @@ static void a_picture_holds_the_matrix(void **state)
     reradiation_destroy(m);
 }
 
+static void give_share(const void *user, size_t channel, int y, void *values)
+{
+    (void)y;
+    *(float *)values = ((const float *)user)[channel];
+}
+
+/* Any metre or hertz of the layout, and M00 as its draft and that draft's pictures have it. */
+static void channels_are_known_by_any_name_of_the_layout(void **state)
+{
+    (void)state;
+    static const char *const names[][3] = {
+        {"M00.400,000000nm", "M00.410,000000nm", "M00.400,000000nm.410,000000nm"},
+        {"T.4e-7m", "T.0,00041mm", "T.0,4um.0,00041mm"},
+        {"T.749481145000000Hz", "T.731201117,073MHz", "T.749,481145THz.0,731201117PHz"},
+    };
+    const float shares[] = {0.5f, 0.4f, 0.3f};
+    stokes_error err;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        struct exr_channel channel[3] = {0};
+        for (int k = 0; k < 3; k++)
+            snprintf(channel[k].name, sizeof channel[k].name, "%s", names[i][k]);
+        const struct exr_layout one = {.full_width = 1,
+                                       .full_height = 1,
+                                       .width = 1,
+                                       .height = 1,
+                                       .channels = channel,
+                                       .channel_count = 3};
+        assert_true(exr_write(&one, give_share, shares, path, &err));
+        stokes_matrix *m = bispectral_read(path, NULL, NULL, NULL, &err);
+        assert_non_null(m);
+        assert_true(m->count_in == 2 && m->count_out == 2);
+        assert_float_equal(m->first_in_nm, 400, 1e-3);
+        assert_float_equal(share(m, 0, 0), 0.5, 1e-7);
+        assert_float_equal(share(m, 1, 0), 0.3, 1e-7);
+        assert_float_equal(share(m, 1, 1), 0.4, 1e-7);
+        reradiation_destroy(m);
+    }
+}
+
 /* Every byte of a file may be wrong. What comes out is an error or a matrix, and never a crash. */
 static void hostile_files_are_errors_or_matrices(void **state)
 {
@@ -359,9 +415,11 @@ int main(void)
         cmocka_unit_test(a_matrix_without_noise_stays_as_it_is),
         cmocka_unit_test(zeros_of_a_noisy_file_are_missing),
         cmocka_unit_test(grids_that_differ_are_joined_and_energy_is_kept),
+        cmocka_unit_test(more_light_than_arrives_is_told),
         cmocka_unit_test(what_is_wrong_is_named),
         cmocka_unit_test(the_note_of_the_library_is_what_was_published),
         cmocka_unit_test_setup_teardown(a_picture_holds_the_matrix, make_file, remove_file),
+        cmocka_unit_test_setup_teardown(channels_are_known_by_any_name_of_the_layout, make_file, remove_file),
         cmocka_unit_test_setup_teardown(hostile_files_are_errors_or_matrices, make_file, remove_file),
     };
     return cmocka_run_group_tests_name("measured matrices", tests, NULL, NULL);

@@ -69,6 +69,7 @@ def test_a_materials_matrix_can_be_exported(core, tmp_path, note):
     with scenes.stream.Recorder(path) as out:
         out.send("material", name="note", surface=note.message())
         out.send("material", name="paint", surface=paint.message())
+        out.send("material", name="mirror", surface={"bsdf": "conductor", "metal": "Ag", "roughness": 0})
         scenes.camera(out)
     core.run("matrix", "export", path, "note", "-o", tmp_path / "note.csv", "--bands", "300,780,10")
     found = exact.Matrix.read(tmp_path / "note.csv")
@@ -77,8 +78,15 @@ def test_a_materials_matrix_can_be_exported(core, tmp_path, note):
     found = exact.Matrix.read(tmp_path / "paint.csv")
     blocks = paint.operator()[: 26 * 40, : 26 * 40].reshape(26, 40, 26, 40).sum(axis=1).mean(axis=2)
     assert found.share == pytest.approx(blocks, abs=2e-3)
+    result = core.run("matrix", "export", path, "mirror", "-o", tmp_path / "mirror.csv")
+    assert "mirror: matrix: nothing leaves at 0°" in result.stderr and len(result.stderr.splitlines()) == 1
     result = core.run("matrix", "export", path, "nothing", "-o", tmp_path / "none.csv", check=False)
     assert result.returncode == 1 and "nothing: material: is not in the scene" in result.stderr
+
+
+def test_a_measured_matrix_has_a_source_and_a_licence(core):
+    assert core.run("matrix", "list").stdout.startswith("matrix/yellow_note  300–780 nm  3M fluorescent yellow note, measured by Labsphere")
+    assert core.run("matrix", "list").stdout.endswith("(BSD-3-Clause)\n")
 
 
 def test_what_a_measurement_lacks_is_said_in_a_line_each(core, tmp_path):
