@@ -46,12 +46,15 @@ struct integrator *integrator_create(const struct integrator_settings *, const s
 void integrator_destroy(struct integrator *);
 const char *integrator_name_at(size_t index); /* NULL past the end */
 
-/* Decides what the settings leave open, by tracing a few samples of its own: some tenths of a second. Ends early once `stop` (may be
-   NULL) says so. What it decides depends on scene and settings but the seed. */
-void integrator_prepare(struct integrator *, bool (*stop)(void *user), void *user);
+/* Decides what the settings leave open for samples from this one on, up to the next look, by tracing some samples of its own with all workers: at most a
+   twentieth of what the frame has by then, if it began at sample 0. Ends early once `stop` (may be NULL; any thread asks) says so. What it decides depends on
+   scene, settings but the seed and the border, and the number of the sample. */
+void integrator_look(struct integrator *, int sample, bool (*stop)(void *user), void *user);
+/* The first sample after this one for which it may decide otherwise; INT_MAX: none. */
+int integrator_next_look(const struct integrator *, int sample);
 
-/* Light sub-paths of a sample, on average; 0 if it has none. */
-double integrator_light_paths(const struct integrator *);
+/* Light sub-paths of a sample, on average, since sample *from; 0 if it has none. */
+double integrator_light_paths(const struct integrator *, int *from);
 
 /* Traces global sample `sample` (from 0; n = sample + 1) of pixel (x, y) of the full frame and adds it to the film. A pixel outside
    the border traces only what may splat into it. Thread-safe for different workers. */

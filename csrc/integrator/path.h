@@ -213,6 +213,7 @@ struct integrator {
     bool exact;         /* connections by exact.c instead of the mollified table */
     double light_paths; /* light sub-paths of a sample, on average */
     double typical;     /* X+Y+Z (and bins) of a pixel, on average, as far as it is known; else 0 */
+    int looked;         /* stages of pilot.c that there were */
     enum cuts cuts;
     int lanes; /* 1, 4 or 8 */
     bool has_volumes;

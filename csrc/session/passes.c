@@ -199,17 +199,18 @@ static bool merge_batch(struct render *render, int passes, stokes_error *err)
     return true;
 }
 
-/* The sample at which a batch has to end: the last, or that of the next snapshot, 2^k samples from the first. */
+/* The sample at which a batch has to end: the last, that before which the integrator looks again, or that of the next snapshot, 2^k
+   samples from the first. */
 static int next_stop(const struct render *render)
 {
-    int samples = render->end_sample - render->first_sample,
-        traced = render->film->end_sample - render->first_sample;
-    int64_t stop = 1;
+    int traced = render->film->end_sample - render->first_sample,
+        look = integrator_next_look(render->integrator, render->film->end_sample);
+    int64_t stop = 1, last = look < render->end_sample ? look : render->end_sample;
     if (!render->session->listener.snapshot)
-        return render->end_sample;
+        return (int)last;
     while (stop <= traced)
         stop *= 2;
-    return stop < samples ? render->first_sample + (int)stop : render->end_sample;
+    return render->first_sample + stop < last ? render->first_sample + (int)stop : (int)last;
 }
 
 /* The film is the session's for the call, so that it can be written as after a render. */
@@ -251,6 +252,7 @@ bool passes_trace(struct render *render, stokes_error *err)
         bool first = render->film->end_sample == render->first_sample;
         if (!first && out_of_time(render, pass_s))
             break;
+        integrator_look(render->integrator, render->film->end_sample, passes_should_stop, render);
         double before = os_seconds();
         passes = first ? 1 : batch_passes(render, passes, pass_s);
         render->batch_sample = render->film->end_sample;

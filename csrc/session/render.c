@@ -63,7 +63,6 @@ static bool prepare(struct render *render, size_t picture_floats, stokes_error *
         integrator_create(s, session->scene, render->pass, render->threads, session_warn, session, err);
     if (!render->integrator)
         return false;
-    integrator_prepare(render->integrator, is_cancelled, session);
     passes_place(render);
     return true;
 }
@@ -113,7 +112,8 @@ bool stokes_session_render(stokes_session *session, const stokes_overrides *over
     session->rendered = render.settings;
     session_fingerprint(session, &session->rendered, session->fingerprint);
     bool good = !committed || trace(&render, picture_floats, err);
-    session->light_paths = render.integrator ? integrator_light_paths(render.integrator) : 0;
+    session->light_paths =
+        render.integrator ? integrator_light_paths(render.integrator, &session->light_paths_from) : 0;
     session->unconnected_share = render.integrator ? integrator_unconnected_share(render.integrator) : 0;
     if (good)
         finish(&render);

@@ -41,7 +41,10 @@ static void report_film(const stokes_session *session, const struct film *film, 
     text_line(out, "time: %.2f s, %.4g samples/s with %d threads", session->seconds,
               session->seconds > 0 ? pixel_samples / session->seconds : 0,
               session_threads(&session->rendered));
-    if (session->light_paths > 0)
+    if (session->light_paths > 0 && session->light_paths_from > film->first_sample)
+        text_line(out, "paths: %g light sub-paths for each of the camera's, from sample %d on",
+                  session->light_paths, session->light_paths_from);
+    else if (session->light_paths > 0)
         text_line(out, "paths: %g light sub-paths for each of the camera's", session->light_paths);
     if (session->unconnected_share > 0)
         text_line(out, "paths: %.3g %% of the light came over some that no connection makes",

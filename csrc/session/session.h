@@ -54,7 +54,8 @@ struct stokes_session {
     double share; /* of the first pass, where only a part of it was traced (film->part) */
     double seconds;
     double unconnected_share; /* of the light, over paths that no connection makes */
-    double light_paths;       /* light sub-paths of a sample; 0: the integrator has none */
+    double light_paths;       /* light sub-paths of a sample, of the last one; 0: the integrator has none */
+    int light_paths_from;     /* first sample with so many */
     struct text report;
 };
 

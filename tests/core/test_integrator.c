@@ -1,6 +1,7 @@
 /* Integrators as a whole: radiance that is known, and light that nothing sees. Their densities are test_techniques.c's. */
 #include "boxes.h"
 
+#include <limits.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -77,6 +78,41 @@ static void a_dye_that_absorbs_all_brings_runs_evaluated_again_what_it_brings_ot
     scene_destroy(scene);
 }
 
+/* Pictures of few samples do without looks at the scene; each look comes when the frame has had twenty times its samples, with those of the looks before. */
+static void looks_cost_a_twentieth_of_the_samples_before(void **state)
+{
+    (void)state;
+    static const int sizes[] = {3, 12, 48, 128, 600};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        int pixels = sizes[i], border[4] = {0, 0, pixels, pixels}, from;
+        struct scene *scene = world_scene(range, 0.01f, pixels);
+        struct film *film = film_create(pixels, pixels, border, 0, range, NULL);
+        struct integrator_settings settings = box_settings("bdpt", 4);
+        struct integrator *it = integrator_create(&settings, scene, film, 1, NULL, NULL, NULL);
+        assert_non_null(it);
+        integrator_look(it, 0, NULL, NULL);
+        assert_int_equal(it->worker[0].stamp, 0); /* one for each sample traced */
+        int looks = 0;
+        for (int at = integrator_next_look(it, 0); at < INT_MAX; at = integrator_next_look(it, at)) {
+            uint32_t before = it->worker[0].stamp;
+            integrator_look(it, at - 1, NULL, NULL);
+            assert_int_equal(it->worker[0].stamp, before);
+            integrator_look(it, at, NULL, NULL);
+            assert_true(it->worker[0].stamp > before);
+            assert_true(20.0 * it->worker[0].stamp <= (double)pixels * pixels * at);
+            integrator_light_paths(it, &from);
+            assert_int_equal(from, at);
+            looks++;
+        }
+        assert_in_range(looks, 1, 2);
+        /* A large picture has them as soon as it has one sample. */
+        assert_true(pixels < 600 || from == 1);
+        integrator_destroy(it);
+        film_destroy(film);
+        scene_destroy(scene);
+    }
+}
+
 /* Every technique respects it, light sub-paths too. */
 static void a_holdout_is_black_and_clear_and_the_rest_is_not(void **state)
 {
@@ -115,6 +151,7 @@ int main(void)
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "pt_nee"),
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "mbdpt"),
         cmocka_unit_test_prestate(a_holdout_is_black_and_clear_and_the_rest_is_not, "bdpt"),
+        cmocka_unit_test(looks_cost_a_twentieth_of_the_samples_before),
         cmocka_unit_test(a_dye_that_absorbs_all_brings_runs_evaluated_again_what_it_brings_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

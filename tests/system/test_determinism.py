@@ -105,6 +105,29 @@ def test_border_equals_crop(core, scene, integrator, tmp_path):
     assert np.array_equal(whole.sums()[:, y0:y1, x0:x1], part.sums())
 
 
+def test_looks_at_the_scene_change_no_bit(core, small_scene, tmp_path):
+    """What `bdpt` decides by looking at the scene it decides for the same samples whatever part of them is rendered, in whatever part of the
+    frame, and whoever looks."""
+    look = 300  # of 16 × 12 pixels
+    same = dict(integrator="bdpt", seed=3, lanes=4, **BINS)
+    said = core.run(
+        "render", small_scene, "-o", tmp_path / "said.exr", "-i", "bdpt", "--lanes", 4, "--samples", "296:304"
+    ).stderr
+    assert re.search(r"paths: (\S+) light sub-paths.*, from sample (\d+) on", said).groups() == ("0.25", str(look)), said
+    whole = core.render(small_scene, samples="296:304", threads=1, **same)
+    assert_same_bits(whole, core.render(small_scene, samples="296:304", threads=5, **same))
+    for name, samples in (("a", "296:300"), ("b", "300:304"), ("c", "296:298"), ("d", "298:302"), ("e", "302:304")):
+        core.render(small_scene, name=name + ".exr", keep=True, samples=samples, **same)
+    for order in ("ab", "edc"):
+        out = tmp_path / (order + ".exr")
+        core.run("merge", "-o", out, *[core.directory / (name + ".exr") for name in order])
+        assert_same_bits(whole, exr.read(out))
+    bordered = tmp_path / "border.stokes"
+    scenes.box(bordered, resolution=(16, 12), border=[3, 2, 11, 9])
+    part = core.render(bordered, samples="296:304", **same)
+    assert np.array_equal(whole.sums()[:, 2:9, 3:11], part.sums())
+
+
 def test_parts_that_overlap_or_differ_are_refused(core, scene, tmp_path):
     for name, seed, samples in (("one", 3, "0:8"), ("over", 3, "4:12"), ("other", 4, "8:16")):
         core.render(scene, name=name + ".exr", keep=True, integrator="pt", seed=seed, samples=samples, **BINS)
