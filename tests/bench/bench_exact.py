@@ -99,8 +99,12 @@ class Reference:
 class Result:
     """What one integrator gave in one scene, over its seeds."""
 
-    def __init__(self, method, counts):
+    def __init__(self, method, counts, scene, out):
         self.method, self.counts = method, counts
+        self.options, self.light_paths = dict(method.options), ""
+        if method.integrator == "bdpt":
+            self.options["light_paths"] = kit.light_paths(scene, out, method.lanes or 1)
+            self.light_paths = " L=%g" % self.options["light_paths"]
         self.errors, self.means, self.costs = [], [], []
         self.picture = None
 
@@ -131,12 +135,13 @@ def measure_scene(name, found, size, folder, progress):
     progress("reference")
     reference = Reference(scene, reference_samples, folder / "reference")
     counts = [2**k for k in range(samples.bit_length())]
-    results = [Result(method, counts) for method in found]
     pixels, out = resolution[0] * resolution[1], folder / "out" / "out.exr"
+    out.parent.mkdir(parents=True, exist_ok=True)
+    results = [Result(method, counts, scene, out) for method in found]
     for seed in range(seeds):
         for result in results:
             progress("seed %d of %d, %s" % (seed + 1, seeds, result.method.label()))
-            options = dict(result.method.options, seed=seed + 1)
+            options = dict(result.options, seed=seed + 1)
             start = kit.render(scene, out, spp=1, **options)
             whole = kit.render(scene, out, snapshots=True, spp=samples, **options)
             result.costs.append(max(whole - start, 1e-9) / (pixels * (samples - 1)))
@@ -153,7 +158,7 @@ def equal_time(scene, results, samples, out, progress):
     for result in results:
         progress("at equal time, %s" % result.method.label())
         result.spp = max(1, round(budget / result.cost()))
-        result.picture = kit.picture_of(scene, out, spp=result.spp, seed=77, **result.method.options)
+        result.picture = kit.picture_of(scene, out, spp=result.spp, seed=77, **result.options)
 
 
 # --- What it says ------------------------------------------------------------------------------------
@@ -179,7 +184,7 @@ def table(name, reference, results):
         lines.append(
             "| %s | %.2f | %s | %s | %s | %s | %s | %s | %s |"
             % (
-                result.method.label(),
+                result.method.label() + result.light_paths,
                 1e6 * result.cost(),
                 *("%.3g ± %.1g" % pair for pair in zip(noise, error)),
                 *("%.2f×" % gain if gain > 0 else "–" for gain in gains),
@@ -215,7 +220,8 @@ time" is how much less squared error a second of processor time leaves than `bdp
 better than it. Luminance is Y; chroma is (X/Xn − Y, Z/Zn − Y). ± is one standard error; – stands where a fifth of the
 light or more is missing. `lt` leaves out what the camera sees in mirrors and glass. Pixels that show a lamp, directly
 or in a mirror, do not count: every integrator but `lt` gets them in the same way, and they are so bright that their
-noise would be all of the error.
+noise would be all of the error. `bdpt` has as many light sub-paths a sample, L, as it finds to pay in this scene; a
+picture of 512 × 512 pixels has them from its second sample on.
 %s
 """
 

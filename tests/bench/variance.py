@@ -1,6 +1,7 @@
 """Variance times cost of integrators in one scene, seed against seed: minutes less than bench_exact.py, and blind to bias.
 
-variance.py SCENE OPTIONS [OPTIONS …]: `variance.py box "-i pt_nee" "-i bdpt --lanes 4"`, in a scene of bench_scenes.py or a .stokes file."""
+variance.py SCENE OPTIONS [OPTIONS …]: `variance.py box "-i pt_nee" "-i bdpt --lanes 4"`, in a scene of bench_scenes.py or a .stokes file.
+`bdpt` has as many light sub-paths as it would after a while in a larger picture, unless they are given."""
 
 import pathlib
 import sys
@@ -38,11 +39,19 @@ def measure(scene, options):
     return cost, scale * y.var(axis=0, ddof=1)[kept].mean(), scale * chroma.var(axis=0, ddof=1)[kept].sum(axis=-1).mean()
 
 
+def settled(scene, words):
+    """The options with the number of light sub-paths that `bdpt` finds to pay, unless they have one."""
+    if "bdpt" not in words or "--light-paths" in words:
+        return words
+    lanes = words[words.index("--lanes") + 1] if "--lanes" in words else 1
+    return [*words, "--light-paths", kit.light_paths(scene, FOLDER / "variance.exr", lanes)]
+
+
 def main(name, *configurations):
     FOLDER.mkdir(parents=True, exist_ok=True)
     scene = name if name.endswith(".stokes") else bench_scenes.write(name, FOLDER, RESOLUTION)
     for options in configurations:
-        cost, luminance, chroma = measure(scene, options.split())
+        cost, luminance, chroma = measure(scene, settled(scene, options.split()))
         kit.say(
             "%-44s %6.2f µs, variance of Y %.4g, of chroma %.4g; times cost %.4g and %.4g"
             % (options, cost, luminance, chroma, cost * luminance, cost * chroma)

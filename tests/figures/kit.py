@@ -3,6 +3,7 @@
 import functools
 import os
 import pathlib
+import re
 import resource
 import subprocess
 import sys
@@ -29,11 +30,22 @@ def say(*words, **how):
 # --- The core --------------------------------------------------------------------------------------
 
 
-def stokes(*arguments):
+def _run(arguments):
     result = subprocess.run([CORE, *map(str, arguments)], capture_output=True, text=True)
     if result.returncode:
         sys.exit("stokes %s: %s" % (" ".join(map(str, arguments)), result.stderr.strip()))
-    return result.stdout
+    return result
+
+
+def stokes(*arguments):
+    return _run(arguments).stdout
+
+
+def light_paths(scene, out, lanes=1):
+    """As many light sub-paths of a sample as pay in `scene`: what a render with `bdpt` finds at its looks (algorithm.md
+    §15), which come late in pictures as small as those of benchmarks."""
+    words = ["render", scene, "-o", out, "-i", "bdpt", "--lanes", lanes, "--samples", "99999:100000"]
+    return float(re.search(r"paths: (\S+) light sub-paths", _run(words).stderr)[1])
 
 
 @functools.lru_cache(maxsize=None)
