@@ -83,11 +83,15 @@ static bool read_arguments(int argc, char **argv, struct arguments *a)
                                             {0}};
     int option;
     *a = (struct arguments){.bands = {300, 830, 10}};
-    while ((option = getopt_long(argc, argv, "o:p:b:", options, NULL)) != -1)
-        if (!read_option(option, optarg, a)) {
+    while ((option = getopt_long(argc, argv, "o:p:b:", options, NULL)) != -1) {
+        if (option == '?')
             cli_usage("matrix", "'%s' is no option, or lacks its argument", argv[optind - 1]);
-            return false;
-        }
+        else if (!read_option(option, optarg, a))
+            cli_usage("matrix", "'%s' is not what -%c takes", optarg, option);
+        else
+            continue;
+        return false;
+    }
     for (; optind < argc && a->places < 2; optind++)
         a->place[a->places++] = argv[optind];
     return true;

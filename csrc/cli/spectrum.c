@@ -71,11 +71,15 @@ static bool read_arguments(int argc, char **argv, struct arguments *a)
         {"long", no_argument, NULL, 'l'},         {0}};
     int option;
     *a = (struct arguments){.column = 1, .from = 300, .to = 830};
-    while ((option = getopt_long(argc, argv, "o:c:r:pl", options, NULL)) != -1)
-        if (!read_option(option, optarg, a)) {
+    while ((option = getopt_long(argc, argv, "o:c:r:pl", options, NULL)) != -1) {
+        if (option == '?')
             cli_usage("spectrum", "'%s' is no option, or lacks its argument", argv[optind - 1]);
-            return false;
-        }
+        else if (!read_option(option, optarg, a))
+            cli_usage("spectrum", "'%s' is not what -%c takes", optarg, option);
+        else
+            continue;
+        return false;
+    }
     for (; optind < argc; optind++) {
         if (a->places == CURVES_MAX) {
             cli_usage("spectrum", "at most %d spectra are taken", CURVES_MAX);

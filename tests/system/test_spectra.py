@@ -115,6 +115,17 @@ def test_a_plot_holds_a_curve_for_each_spectrum(core, table, tmp_path):
     assert xml.fromstring(piped.stdout).tag.endswith("svg")
 
 
+def test_a_wrong_argument_and_its_option_are_named(core):
+    for arguments, why in (
+        (["spectrum", "plot", "lamp/HP1", "--range", "500,400"], "'500,400' is not what -r takes"),
+        (["spectrum", "show", "lamp/HP1", "--column", "0"], "'0' is not what -c takes"),
+        (["spectrum", "show", "lamp/HP1", "--nothing"], "'--nothing' is no option, or lacks its argument"),
+        (["matrix", "show", "matrix/yellow_note", "--pixel", "1"], "'1' is not what -p takes"),
+    ):
+        result = core.run(*arguments, check=False)
+        assert result.returncode == 2 and why in result.stderr and len(result.stderr.splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     "text,why",
     [
