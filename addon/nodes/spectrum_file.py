@@ -13,6 +13,7 @@ KINDS = (
 )
 
 
+MOST_ROWS = 65534  # the stream takes 65 536, and lights end in two more
 SHORTEST_NM = 50.0  # below that there is no light that a scene may carry
 
 
@@ -39,6 +40,8 @@ def parse(text, column=1):
             ) from None
     if len(table) < 2:
         raise SpectrumFileError("needs at least two lines of wavelength and value")
+    if len(table) > MOST_ROWS:
+        raise SpectrumFileError("has %d lines; at most %d are taken" % (len(table), MOST_ROWS))
     table.sort()
     for (x0, _y0), (x1, _y1) in zip(table, table[1:]):
         if x0 == x1:

@@ -149,6 +149,7 @@ def test_a_table_is_read_whatever_parts_its_columns_and_stays_in_the_file(host, 
     (tmp_path / "twice.csv").write_text("400 1\n400 2\n")
     (tmp_path / "micrometres.csv").write_text("0.4 1\n0.7 2\n")
     (tmp_path / "negative.csv").write_text("-400 1\n700 2\n")
+    (tmp_path / "long.csv").write_text("".join("%.3f 1\n" % (300 + i / 200) for i in range(70000)))
     found = tell(host, tmp_path, """
 from addon.nodes import spectrum_file
 made = nodes.new(tree, "spectrum_file", percent=True)
@@ -159,7 +160,7 @@ os.remove(settings.filepath)
 told.append(len(spectrum_file.table_of(settings)))
 settings.filepath = os.path.join(TMP, "twice.csv")
 told += [settings.problem, spectrum_file.table_of(settings)]
-for name in ("missing", "micrometres", "negative"):
+for name in ("missing", "micrometres", "negative", "long"):
     settings.filepath = os.path.join(TMP, name + ".csv")
     told.append(settings.problem)
 tell(told)
@@ -171,6 +172,7 @@ tell(told)
     assert found[5] == "No such file or directory"
     assert found[6] == "wavelengths end at 0.7: they are wanted in nm, not in µm"
     assert found[7] == "wavelength -400 is not above 0"
+    assert found[8] == "has 70000 lines; at most 65534 are taken"
 
 
 @oldest_and_newest
