@@ -134,7 +134,7 @@ bool flight_settle(const struct integrator *it, const struct vertex *prev, struc
         flight_density(it, prev, c, next->in_volume ? &next->inside.media : NULL, next->inside.odds);
     next->inside.flown = density.drawn;
     next->inside.ahead = density.nominal;
-    next->inside.back = flight_nominal(it, c, prev);
+    next->inside.back *= flight_nominal(it, c, prev);
     if (!(next->inside.flown > 0) || !(next->inside.ahead > 0))
         return false;
     for (int i = 0; i < it->lanes; i++) {
@@ -222,7 +222,8 @@ bool fly(const struct integrator *it, struct worker *w, enum side side, struct f
                 return false;
             break;
         }
-        if (pass + 1 == PASSES_MAX)
+        bool barred = f->ray.kind != RAY_SHADOW && (scene_hit_kinds(it->scene, &next->hit) & SEEN_BY_SOME);
+        if (pass + 1 == PASSES_MAX || (!camera && barred))
             return false;
         go_on(it, f, material, next);
     }

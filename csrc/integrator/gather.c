@@ -41,17 +41,10 @@ static bool relight_sighting(const struct integrator *it, struct worker *w, uint
     for (int i = 0; i < it->lanes; i++) {
         at->throughput[i] *= (double)next->passage;
         if (seen->passed)
-            at->throughput[i] *= edge_transmittance(it, last, distant ? NULL : &seen->light->position,
-                                                    seen->direction, lambda[i]);
+            at->throughput[i] *= edge_transmittance(
+                it, SIDE_CAMERA, last, distant ? NULL : &seen->light->position, seen->direction, lambda[i]);
     }
     return true;
-}
-
-static double cmf_sum(float lambda)
-{
-    float cmf[3];
-    cmf_eval(lambda, cmf);
-    return (double)cmf[0] + (double)cmf[1] + (double)cmf[2];
 }
 
 static double edge_geometry(const struct vertex *last, const struct sighting *seen)
@@ -124,7 +117,7 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
             weight[i] = mis_weight(it, &path);
         film_sample_add(it->film, &w->gathered, value * weight[i], lambda_film[i], it->kappa);
         w->taken += value * weight[i];
-        w->unconnected += connectable ? 0 : value * weight[i] * cmf_sum(lambda_film[i]);
+        w->unconnected += connectable ? 0 : value * weight[i] * gather_cmf_sum(lambda_film[i]);
         path.weight = weight[i];
         if (it->observe)
             it->observe(it->observer, &path, value * weight[i]);

@@ -4,6 +4,14 @@
 
 #include "integrator/path.h"
 
+/* x̄+ȳ+z̄, in which shares of the light are reckoned. */
+static inline double gather_cmf_sum(float lambda)
+{
+    float cmf[3];
+    cmf_eval(lambda, cmf);
+    return (double)cmf[0] + (double)cmf[1] + (double)cmf[2];
+}
+
 /* `passed`: the ray went through transparent surfaces since the last vertex. */
 
 /* `media`: where the scene has volumes, what the segment lies in; the next vertex's crossing is that of the edge before it. */

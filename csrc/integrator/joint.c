@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "integrator/flight.h"
+#include "integrator/gather.h"
 #include "integrator/relight.h"
 #include "integrator/roulette.h"
 #include "integrator/tally.h"
@@ -127,6 +128,14 @@ static void set_across(const struct integrator *it, const struct joint *joint, s
     }
 }
 
+static bool is_barred(const struct integrator *it, const struct joint *joint)
+{
+    const struct vertex *y = joint->end[SIDE_LIGHT].vertex, *x = joint->end[SIDE_CAMERA].vertex;
+    return joint->s > 1 && joint->t > 1 &&
+           scene_is_barred(it->scene, vertex_offset(x, negate(joint->y_to_x)),
+                           vertex_offset(y, joint->y_to_x));
+}
+
 /* Most edges are open or blocked at every wavelength; only coloured transparency needs a ray for each. */
 static void attenuate(const struct integrator *it, struct joint *joint, double value[LANES_MAX])
 {
@@ -136,11 +145,14 @@ static void attenuate(const struct integrator *it, struct joint *joint, double v
                                 ? trace_through(it, joint, joint->lambda[0], &sight->haze->crossing)
                                 : trace(it, joint, joint->lambda[0]);
         sight->state = sight->visibility > 0 ? SIGHT_TRACED : SIGHT_NOTHING;
+        sight->barred = is_barred(it, joint);
         if (it->has_volumes)
             set_across(it, joint, sight->haze);
     }
     for (int side = 0; side < SIDES; side++)
         joint->end[side].across = it->has_volumes ? sight->haze->across[side] : 1;
+    if (sight->barred)
+        joint->end[SIDE_LIGHT].across = 0;
     for (int i = 0; it->has_volumes && sight->state == SIGHT_TRACED && i < joint->lanes; i++)
         value[i] *= crossing_transmittance(it->scene, &sight->haze->crossing, joint->lambda[i]);
     if (sight->state == SIGHT_TRACED && sight->visibility == 1)
@@ -341,9 +353,10 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
             value[i] = 0;
         else if (splat && w->trial.is_on)
             seen += value[i] * roulette_color(it, lambda_film[i]);
-        else if (splat)
+        else if (splat) {
             film_splat(it->film, splat[0], splat[1], value[i], lambda_film[i], it->kappa);
-        else
+            w->all += it->kappa * value[i] * gather_cmf_sum(lambda_film[i]);
+        } else
             film_sample_add(it->film, &w->gathered, value[i], lambda_film[i], it->kappa);
         w->taken += splat ? 0 : value[i];
     }

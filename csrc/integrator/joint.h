@@ -28,6 +28,7 @@ struct sight {
     float geometry;
     double
         visibility; /* SIGHT_TRACED: at one wavelength; neither 0 nor 1 where it is transparent to some of the light */
+    bool barred;       /* SIGHT_TRACED: to light sub-paths, which might fly there (SEEN_BY_SOME) */
     struct haze *haze; /* where the scene has volumes */
 };
 

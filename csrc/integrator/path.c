@@ -25,11 +25,11 @@ struct vec3 vertex_offset(const struct vertex *v, struct vec3 direction)
 }
 
 /* What a light sub-path meets may be seen by any kind of ray; which one, its scattering there decides. Its first edge is one that looks for a
-   light. */
+   light. What lies between two of its vertices must be seen by all or by none that might fly there (algorithm.md §7): what is not ends it. */
 static const uint32_t any_kind = RAY_CAMERA | RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION | RAY_VOLUME;
 
 /* Fills what a new vertex knows of the edge to its predecessor. */
-static bool arrive(const struct integrator *it, struct vertex *prev, struct vertex *next,
+static bool arrive(const struct integrator *it, enum side side, struct vertex *prev, struct vertex *next,
                    struct vec3 direction, bool passed)
 {
     next->kind = VERTEX_SURFACE;
@@ -50,6 +50,12 @@ static bool arrive(const struct integrator *it, struct vertex *prev, struct vert
     double edge = 1 / (double)next->geometry;
     for (int i = 0; i < it->lanes; i++)
         next->arrival.seam[i] *= edge;
+    bool barred =
+        side == SIDE_CAMERA && prev->kind == VERTEX_SURFACE &&
+        scene_is_barred(it->scene, vertex_offset(prev, direction), vertex_offset(next, next->to_prev));
+    next->inside.back = barred ? 0 : 1;
+    if (!it->has_volumes && barred)
+        tally_cross(&next->arrival, 1, 0, it->lanes);
     return !it->has_volumes || flight_settle(it, prev, next);
 }
 
@@ -65,6 +71,18 @@ uint32_t path_ray_kind(enum scatter_class depth_class)
            : depth_class == SCATTER_GLOSSY ? RAY_GLOSSY
            : depth_class == SCATTER_VOLUME ? RAY_VOLUME
                                            : RAY_TRANSMISSION;
+}
+
+uint32_t path_step_kind(enum side side, const struct vertex *v)
+{
+    if (v->kind != VERTEX_SURFACE)
+        return v->kind == VERTEX_CAMERA ? RAY_CAMERA : RAY_SHADOW;
+    if (side == SIDE_LIGHT)
+        return any_kind;
+    int depth_class = 0;
+    while (depth_class + 1 < SCATTER_CLASSES && v[1].bounces[depth_class] == v->bounces[depth_class])
+        depth_class++;
+    return path_ray_kind((enum scatter_class)depth_class);
 }
 
 /* What of the lanes' sum is left after the edge to a vertex and scattering there. By the mean of the lanes' own shares, a lane that is bright
@@ -132,7 +150,7 @@ static void extend(const struct integrator *it, struct worker *w, enum side side
         f->dimension = block + (uint32_t)step * DIMS_PER_STEP * PASSES_MAX;
         if (step > 0 && !scatter(it, w, side, path, f->dimension, f))
             return;
-        if (!fly(it, w, side, f, next) || !arrive(it, prev, next, f->ray.direction, f->passed))
+        if (!fly(it, w, side, f, next) || !arrive(it, side, prev, next, f->ray.direction, f->passed))
             return;
         path->count++;
         w->trial.work++;

@@ -53,7 +53,8 @@ struct vertex_media {
     int boundary;             /* the volume behind the surface; −1: none */
     struct crossing crossing; /* of the edge to prev */
     double ahead,
-        back;     /* nominal densities of that edge's length for a step from prev, and for one back to it */
+        back;     /* nominal densities of that edge's length for a step from prev, and for one back to it. 1 without volumes; but 0 if the
+                     edge is barred to light sub-paths (SEEN_BY_SOME) */
     double flown; /* density with which it was really drawn */
     float odds[VOLUME_RATES]; /* of each rate to have drawn this run so far */
     float toll;               /* what of the lanes' sum is left at its end, over `flown` */
@@ -161,7 +162,7 @@ struct strand; /* relight.h */
 struct sight;  /* joint.h */
 struct haze;   /* joint.h */
 
-/* A worker's samples before the render (pilot.h). */
+/* A worker's samples before the render (pilot.c). */
 struct trial {
     bool is_on;             /* splats count here, and not in the film */
     double splats, squares; /* sums of them and of their squares, X+Y+Z and bins */
@@ -272,6 +273,8 @@ static inline bool vertex_begins_light_paths(const struct vertex *v)
 
 /* The kind of ray that leaves a vertex after scattering there, towards the light. */
 uint32_t path_ray_kind(enum scatter_class);
+/* The kind that a sub-path's own step from this vertex, which it has passed, is. */
+uint32_t path_step_kind(enum side, const struct vertex *);
 
 /* Whether a whole path with so many bounces of each class is within the limits. */
 bool path_keeps_bounces(const struct integrator_settings *, const uint8_t bounces[SCATTER_CLASSES]);

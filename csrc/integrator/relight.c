@@ -35,30 +35,30 @@ static void start_again(const struct integrator *it, enum side side, const struc
     memcpy(draw, steps->draw, sizeof steps->draw);
 }
 
-double edge_transmittance(const struct integrator *it, const struct vertex *from, const struct vec3 *to,
-                          struct vec3 direction, float lambda)
+double edge_transmittance(const struct integrator *it, enum side side, const struct vertex *from,
+                          const struct vec3 *to, struct vec3 direction, float lambda)
 {
     struct vec3 origin = vertex_offset(from, direction);
-    uint32_t kind = from->kind == VERTEX_CAMERA ? RAY_CAMERA : RAY_SHADOW;
+    uint32_t kind = path_step_kind(side, from);
     return to ? scene_visibility(it->scene, origin, *to, lambda, kind)
               : scene_visibility_distant(it->scene, origin, direction, lambda, kind);
 }
 
-static void pass_edge(const struct integrator *it, const struct vertex *from, const struct vertex *to,
-                      struct arrival *at)
+static void pass_edge(const struct integrator *it, enum side side, const struct vertex *from,
+                      const struct vertex *to, struct arrival *at)
 {
     struct vec3 end = vertex_offset(to, to->to_prev);
     for (int i = 0; i < at->lanes; i++) {
         at->seam[i] /= (double)to->geometry;
         at->throughput[i] *= (double)to->passage;
         if (to->passed)
-            at->throughput[i] *=
-                edge_transmittance(it, from, from->unbounded ? NULL : &end, from->to_next, at->lambda[i]);
+            at->throughput[i] *= edge_transmittance(it, side, from, from->unbounded ? NULL : &end,
+                                                    from->to_next, at->lambda[i]);
         if (it->has_volumes)
             at->throughput[i] *=
                 crossing_transmittance(it->scene, &to->inside.crossing, at->lambda[i]) / to->inside.flown;
     }
-    if (it->has_volumes)
+    if (it->has_volumes || to->inside.back == 0)
         tally_cross(at, to->inside.ahead, to->inside.back, at->lanes);
 }
 
@@ -95,7 +95,7 @@ int relight(const struct integrator *it, const struct worker *w, enum side side,
         there->disperses_early = traced->disperses_early;
         tally_pass(it, w, side, v, here, 0, &steps, there);
         if (i + 1 < path->count)
-            pass_edge(it, v, &path->vertex[i + 1], there);
+            pass_edge(it, side, v, &path->vertex[i + 1], there);
         if (!(lanes_sum(there->throughput, lanes) > 0))
             return i;
         arrival_fill(there, NULL, it->lanes);

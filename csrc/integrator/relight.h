@@ -18,7 +18,7 @@ int relight(const struct integrator *, const struct worker *, enum side, const s
             int end, int lanes, const float lambda[LANES_MAX], struct strand *);
 
 /* Transmittance of the edge between two neighbouring vertices at a wavelength, for rays that passed transparent surfaces by chance. */
-double edge_transmittance(const struct integrator *, const struct vertex *from, const struct vec3 *to,
+double edge_transmittance(const struct integrator *, enum side, const struct vertex *from, const struct vec3 *to,
                           struct vec3 direction, float lambda);
 
 #endif

@@ -231,9 +231,10 @@ static bool resolve_slots(struct scene *scene, struct instances *instances, stok
 
 static bool resolve_instances(struct scene *scene, stokes_error *err)
 {
-    scene->transparent = false;
+    scene->transparent = scene->mixed = false;
     for (size_t i = 0; i < scene->instances.count; i++) {
         struct instances *instances = scene->instances.entry[i].item;
+        scene->mixed = scene->mixed || (instances->mask & SEEN_BY_SOME);
         if (!resolve_slots(scene, instances, err))
             return false;
         for (size_t slot = 0; slot < instances->slot_count; slot++)

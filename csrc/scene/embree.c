@@ -302,6 +302,16 @@ float accel_transmittance(const struct scene *scene, struct vec3 origin, struct 
     return ray.tfar < 0 ? 0 : query.transmittance;
 }
 
+bool accel_meets(const struct scene *scene, struct vec3 origin, struct vec3 direction, float far,
+                 uint32_t kind)
+{
+    struct RTCIntersectContext context;
+    struct RTCRay ray = embree_ray(origin, direction, 0, far, kind);
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene->accel->top, &context, &ray);
+    return ray.tfar < 0;
+}
+
 /* --- Lamps ------------------------------------------------------------------------------------------- */
 
 struct lamp_query {

@@ -178,6 +178,11 @@ float scene_visibility_distant(const struct scene *scene, struct vec3 from, stru
     return accel_transmittance(scene, from, direction, INFINITY, lambda, kind, NULL);
 }
 
+bool scene_is_barred(const struct scene *scene, struct vec3 from, struct vec3 to)
+{
+    return scene->mixed && accel_meets(scene, from, sub(to, from), scene_segment_end, SEEN_BY_SOME);
+}
+
 bool scene_hit_is_holdout(const struct scene *scene, const struct hit *hit)
 {
     return scene->objects[hit->instance].instances->holdout;

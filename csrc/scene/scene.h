@@ -9,6 +9,8 @@ struct scene;
 /* --- Rays ------------------------------------------------------------------------------------------------ */
 
 enum ray_kind { RAY_CAMERA = 1, RAY_DIFFUSE = 2, RAY_GLOSSY = 4, RAY_TRANSMISSION = 8, RAY_SHADOW = 16, RAY_VOLUME = 32 };
+/* Beside the kinds of ray that see an object: some do, but not all of those that fly from one surface or volume to another. */
+#define SEEN_BY_SOME 64
 
 struct ray {
     struct vec3 origin, direction; /* unit */
@@ -26,7 +28,10 @@ float scene_visibility(const struct scene *, struct vec3 from, struct vec3 to, f
 float scene_visibility_distant(const struct scene *, struct vec3 from, struct vec3 direction, float lambda,
                                uint32_t kind);
 
-/* Which kinds of ray (enum ray_kind) see what was hit. An edge of a path is a ray that leaves its end on the camera's side, whoever traced it. */
+/* Whether something that is SEEN_BY_SOME lies on that segment. */
+bool scene_is_barred(const struct scene *, struct vec3 from, struct vec3 to);
+
+/* Which kinds of ray (enum ray_kind, and SEEN_BY_SOME) see what was hit. An edge of a path is a ray that leaves its end on the camera's side, whoever traced it. */
 uint32_t scene_hit_kinds(const struct scene *, const struct hit *);
 
 /* True of an object that is a hole in the picture: camera rays end there, black and with alpha 0. All other rays see it as it is. */

@@ -247,6 +247,8 @@ bool accel_intersect(const struct scene *, const struct ray *, struct accel_hit 
 /* `boundaries` (may be NULL) is told of each volume that the ray enters or leaves, at distances in metres. */
 float accel_transmittance(const struct scene *, struct vec3 origin, struct vec3 direction, float far,
                           float lambda, uint32_t kind, struct boundaries *);
+/* Whether a ray of this kind meets anything at all, transparent or not. */
+bool accel_meets(const struct scene *, struct vec3 origin, struct vec3 direction, float far, uint32_t kind);
 /* All boundaries of volumes along an endless ray, whatever else is in its way. */
 void accel_boundaries(const struct scene *, struct vec3 origin, struct vec3 direction, struct boundaries *);
 /* Bounding box of a lamp that can be hit. */
@@ -283,6 +285,7 @@ struct scene {
     bool laid_out; /* objects have been built before */
     struct accel *accel;
     bool transparent; /* some material in use may be */
+    bool mixed;       /* some object is SEEN_BY_SOME */
     struct volumes volumes;
     struct vec3 center;
     float radius;
@@ -301,9 +304,12 @@ struct scene {
 char *copy_text(const char *text);
 static inline uint32_t visibility_mask(struct visibility visible)
 {
-    return (visible.camera ? RAY_CAMERA : 0) | (visible.diffuse ? RAY_DIFFUSE : 0) |
-           (visible.glossy ? RAY_GLOSSY : 0) | (visible.transmission ? RAY_TRANSMISSION : 0) |
-           (visible.shadow ? RAY_SHADOW : 0) | (visible.volume ? RAY_VOLUME : 0);
+    const uint32_t between = RAY_DIFFUSE | RAY_GLOSSY | RAY_TRANSMISSION | RAY_VOLUME;
+    uint32_t kinds = (visible.camera ? RAY_CAMERA : 0) | (visible.diffuse ? RAY_DIFFUSE : 0) |
+                     (visible.glossy ? RAY_GLOSSY : 0) | (visible.transmission ? RAY_TRANSMISSION : 0) |
+                     (visible.shadow ? RAY_SHADOW : 0) | (visible.volume ? RAY_VOLUME : 0);
+    bool some = (kinds & (between | RAY_CAMERA)) && (kinds & between) != between;
+    return kinds | (some ? SEEN_BY_SOME : 0);
 }
 double transform_determinant(const struct transform *);
 /* False if it is singular. */
