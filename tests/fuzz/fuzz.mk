@@ -11,7 +11,8 @@ fuzz: deps ## fuzz the stream's parser for a minute (FUZZ_SECONDS); TARGET=rende
 fuzz-run: $(BUILD)/fuzz_$(TARGET)
 	@mkdir -p $(BUILD)/corpus_$(TARGET) $(BUILD)/seeds
 	$(PYTHON) tests/fuzz/make_seeds.py $(BUILD)/seeds $(BUILD)/stream.dict
-	cd $(BUILD) && ./fuzz_$(TARGET) corpus_$(TARGET) seeds -dict=stream.dict -max_total_time=$(FUZZ_SECONDS) -timeout=20 \
+	cd $(BUILD) && LSAN_OPTIONS=suppressions=../../tests/core/leaks.supp:print_suppressions=0 \
+	    ./fuzz_$(TARGET) corpus_$(TARGET) seeds -dict=stream.dict -max_total_time=$(FUZZ_SECONDS) -timeout=20 \
 	    -rss_limit_mb=4096 -max_len=65536 -print_final_stats=1
 
 # Linked by the C++ compiler: its sanitizer checks types of the one C++ file.
