@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/os.h"
 #include "spectrum/measured.h"
+#include "spectrum/spectrum_text.h"
 
 /* One value more than a line may hold. */
 #define VALUES (RERADIATION_BANDS_MAX + 2)
@@ -33,14 +34,12 @@ static char *skip_blanks(char *text)
     return text + strspn(text, " \t");
 }
 
-/* What parts the values of a line. Beside semicolons a comma is a decimal mark, and becomes the point that strtod knows. */
+/* What parts the values of a line. */
 static const char *marks_of(char *line)
 {
-    if (!strchr(line, ';'))
-        return strchr(line, ',') ? "," : " \t";
-    for (char *comma = line; (comma = strchr(comma, ','));)
-        *comma = '.';
-    return ";";
+    if (text_settle_commas(line))
+        return ";";
+    return strchr(line, ',') ? "," : " \t";
 }
 
 /* Values of a line. Where commas or semicolons part them an empty place is a missing value; otherwise blanks part them. Words that are

@@ -19,11 +19,13 @@ static int by_wavelength(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Where semicolons part the columns a comma is a decimal mark, as spreadsheets of half of Europe write it. */
-static void settle_commas(char *line)
+bool text_settle_commas(char *line)
 {
-    for (char *comma = strchr(line, ';') ? line : NULL; comma && (comma = strchr(comma, ','));)
+    if (!strchr(line, ';'))
+        return false;
+    for (char *comma = line; (comma = strchr(comma, ','));)
         *comma = '.';
+    return true;
 }
 
 /* The number in a column of a line (0: the first), parted by any run of commas, semicolons and blanks. */
@@ -44,7 +46,7 @@ static bool read_line(char *line, int number, int column, struct row *rows, size
                       stokes_error *err)
 {
     struct row row;
-    settle_commas(line);
+    text_settle_commas(line);
     if (!number_at(line, 0, &row.lambda))
         return true;
     if (!number_at(line, column, &row.value))
