@@ -383,16 +383,34 @@ struct scene *grey_box_scene(struct range range, int pixels)
     return box_of(range, box_diffuse(range, 0.6f), false, false, pixels);
 }
 
+/* Takes the spectra. */
+static struct closure *dye_of(struct range range, float concentration, struct spectrum *absorption,
+                              struct spectrum *emission)
+{
+    struct closure *dye = box_fluorescent(range, concentration, 0.9f);
+    struct color_node *taken = dye->color[place(dye, "absorption")],
+                      *given = dye->color[place(dye, "emission")];
+    spectrum_destroy(taken->spectrum);
+    taken->spectrum = absorption;
+    spectrum_destroy(given->spectrum);
+    given->spectrum = emission;
+    return dye;
+}
+
 struct scene *saturated_box_scene(struct range range, int pixels)
 {
-    struct closure *dye = box_fluorescent(range, 1, 0.9f);
-    struct color_node *absorption = dye->color[place(dye, "absorption")],
-                      *emission = dye->color[place(dye, "emission")];
-    spectrum_destroy(absorption->spectrum);
-    absorption->spectrum = spectrum_line(range, 450, 120, "band", NULL);
-    spectrum_destroy(emission->spectrum);
-    emission->spectrum = spectrum_gaussian(range, 530, 30, 1, "bell", NULL);
-    return box_of(range, dye, false, false, pixels);
+    return box_of(range,
+                  dye_of(range, 1, spectrum_line(range, 450, 120, "band", NULL),
+                         spectrum_gaussian(range, 530, 30, 1, "bell", NULL)),
+                  false, false, pixels);
+}
+
+struct scene *banded_box_scene(struct range range, int pixels)
+{
+    return box_of(range,
+                  dye_of(range, 0.8f, spectrum_line(range, 450, 160, "band", NULL),
+                         spectrum_line(range, 560, 180, "band", NULL)),
+                  false, true, pixels);
 }
 
 /* --- Renders ------------------------------------------------------------------------------------------------ */

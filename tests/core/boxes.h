@@ -47,6 +47,9 @@ struct scene *grey_box_scene(struct range, int pixels);
 /* The same box without glass, with a dye that absorbs all of a band, and so reflects nothing there. Committed. */
 struct scene *saturated_box_scene(struct range, int pixels);
 
+/* box_scene without lenses, with a dye that absorbs in one band and emits in another, and nothing outside of these; they overlap. Committed. */
+struct scene *banded_box_scene(struct range, int pixels);
+
 /* An integrator with a kernel of constant half-width. */
 struct integrator_settings box_settings(const char *name, double d_nm);
 /* Mean Y of the lower part of a picture of 16 × 16 pixels, where no lamp is, in 32 batches, one a seed. */
