@@ -326,11 +326,11 @@ def turned(positions, angle):
     return positions @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
 
 
-def glass_box(path, where, resolution=(32, 32), lamp=0.3, looks_down=False, **settings):
+def glass_box(path, where, resolution=(32, 32), lamp=0.3, looks_down=False, light=LIGHTS["d65"], **settings):
     """A box with a fluorescent back wall and one piece of strongly dispersive glass: a block that stands before the wall and reflects
     totally from within ("block"), a ball about the lamp ("lamp"), or one about the camera ("camera"). `lamp` is the lamp's radius; a camera that looks down sees the floor
     alone."""
-    message, _ = emission(LIGHTS["d65"], 10)
+    message, _ = emission(light, 10)
     grey = exact.Material(exact.Table([300, 830], [0.4, 0.4]))
     with stream.Recorder(path) as out:
         out.send("settings", **settings)
