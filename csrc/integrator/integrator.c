@@ -197,6 +197,7 @@ struct integrator *integrator_create(const struct integrator_settings *settings,
     it->kappa = cmf_normalization(settings->lambda_min, settings->lambda_max);
     it->worker_count = threads > 1 ? threads : 1;
     it->has_volumes = scene_has_volumes(scene);
+    it->has_barriers = scene_has_barriers(scene);
     scene_camera_size(scene, it->full, it->border);
     it->lanes = settings->lanes;
     it->light_paths = settings->light_paths > 0 ? settings->light_paths : 1;

@@ -131,7 +131,7 @@ static void set_across(const struct integrator *it, const struct joint *joint, s
 static bool is_barred(const struct integrator *it, const struct joint *joint)
 {
     const struct vertex *y = joint->end[SIDE_LIGHT].vertex, *x = joint->end[SIDE_CAMERA].vertex;
-    return joint->s > 1 && joint->t > 1 &&
+    return it->has_barriers && joint->s > 1 && joint->t > 1 &&
            scene_is_barred(it->scene, vertex_offset(x, negate(joint->y_to_x)),
                            vertex_offset(y, joint->y_to_x));
 }

@@ -51,7 +51,7 @@ static bool arrive(const struct integrator *it, enum side side, struct vertex *p
     for (int i = 0; i < it->lanes; i++)
         next->arrival.seam[i] *= edge;
     bool barred =
-        side == SIDE_CAMERA && prev->kind == VERTEX_SURFACE &&
+        it->has_barriers && side == SIDE_CAMERA && prev->kind == VERTEX_SURFACE &&
         scene_is_barred(it->scene, vertex_offset(prev, direction), vertex_offset(next, next->to_prev));
     next->inside.back = barred ? 0 : 1;
     if (!it->has_volumes && barred)

@@ -216,10 +216,10 @@ struct integrator {
     double typical;     /* X+Y+Z (and bins) of a pixel, on average, as far as it is known; else 0 */
     int looked;         /* stages of pilot.c that there were */
     enum cuts cuts;
-    int lanes; /* 1, 4 or 8 */
-    bool has_volumes;
-    bool limits_bounces;           /* some limit on a class of bounces is tighter than max_path */
-    int camera_edges, light_edges; /* of the longest sub-paths that some technique can use */
+    int lanes;                      /* 1, 4 or 8 */
+    bool has_volumes, has_barriers; /* of the scene */
+    bool limits_bounces;            /* some limit on a class of bounces is tighter than max_path */
+    int camera_edges, light_edges;  /* of the longest sub-paths that some technique can use */
     int worker_count;
     struct worker *worker;
     /* For tests: told of every contribution (density tests, algorithm.md §8). NULL otherwise. */

@@ -178,9 +178,14 @@ float scene_visibility_distant(const struct scene *scene, struct vec3 from, stru
     return accel_transmittance(scene, from, direction, INFINITY, lambda, kind, NULL);
 }
 
+bool scene_has_barriers(const struct scene *scene)
+{
+    return scene->mixed;
+}
+
 bool scene_is_barred(const struct scene *scene, struct vec3 from, struct vec3 to)
 {
-    return scene->mixed && accel_meets(scene, from, sub(to, from), scene_segment_end, SEEN_BY_SOME);
+    return accel_meets(scene, from, sub(to, from), scene_segment_end, SEEN_BY_SOME);
 }
 
 bool scene_hit_is_holdout(const struct scene *scene, const struct hit *hit)

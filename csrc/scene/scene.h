@@ -28,7 +28,8 @@ float scene_visibility(const struct scene *, struct vec3 from, struct vec3 to, f
 float scene_visibility_distant(const struct scene *, struct vec3 from, struct vec3 direction, float lambda,
                                uint32_t kind);
 
-/* Whether something that is SEEN_BY_SOME lies on that segment. */
+/* Whether anything is SEEN_BY_SOME, and whether it lies on that segment: a ray that is not worth tracing where nothing is. */
+bool scene_has_barriers(const struct scene *);
 bool scene_is_barred(const struct scene *, struct vec3 from, struct vec3 to);
 
 /* Which kinds of ray (enum ray_kind, and SEEN_BY_SOME) see what was hit. An edge of a path is a ray that leaves its end on the camera's side, whoever traced it. */
