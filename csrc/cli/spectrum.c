@@ -12,8 +12,10 @@ static const char help[] =
     "       stokes spectrum import FILE -o OUT [--percent]\n"
     "\n"
     "SPECTRUM is a name of the library, as {\"library\": NAME} takes it (of glasses, their index), or a\n"
-    "file: lines of a wavelength in nm and a value, parted by commas, semicolons or blanks; beside\n"
-    "semicolons a comma is a decimal mark. Lines that do not begin with a number are titles.\n"
+    "file: lines of a wavelength and a value, parted by commas, semicolons, tabs or spaces, in UTF-8 or in\n"
+    "UTF-16 with its mark. Beside semicolons, and where commas cannot part columns, a comma is a decimal\n"
+    "mark. Lines that do not begin with a number are titles. Wavelengths are in nm, or in Å where a title\n"
+    "above them says so.\n"
     "\n"
     "  list    names; with --long also the wavelengths that were measured, where they are from and their\n"
     "          licence, and quantum yields of dyes\n"
@@ -87,6 +89,12 @@ static bool read_arguments(int argc, char **argv, struct arguments *a)
     return true;
 }
 
+static void print_note(void *user, const stokes_error *what)
+{
+    (void)user;
+    fprintf(stderr, "stokes: %s: %s: %s\n", what->object, what->property, what->text);
+}
+
 /* --- list ---------------------------------------------------------------------------------------------------- */
 
 static void print_long(const char *name)
@@ -140,7 +148,7 @@ static int show(const struct arguments *a)
          (!cli_number(a->place[1], 1, 1e6, &from) || !cli_number(a->place[2], from, 1e6, &to))) ||
         (a->places > 3 && !cli_number(a->place[3], 1e-3, 1e6, &step)))
         return cli_usage("spectrum", "SPECTRUM, or SPECTRUM FROM TO, or SPECTRUM FROM TO STEP is wanted");
-    stokes_spectrum *s = stokes_spectrum_read(a->place[0], a->column, &err);
+    stokes_spectrum *s = stokes_spectrum_read(a->place[0], a->column, print_note, NULL, &err);
     if (!s)
         return cli_fail(&err);
     if (!print_notes(a->place[0]) && a->places == 1)
@@ -179,7 +187,7 @@ static int plot(const struct arguments *a)
     if (a->places == 0)
         return cli_usage("spectrum", "at least one SPECTRUM is wanted");
     while (status == 0 && count < a->places)
-        if ((spectra[count] = stokes_spectrum_read(a->place[count], a->column, &err)))
+        if ((spectra[count] = stokes_spectrum_read(a->place[count], a->column, print_note, NULL, &err)))
             count++;
         else
             status = cli_fail(&err);
@@ -199,8 +207,8 @@ static void tell(const char *path, const stokes_spectrum *s)
         low = s->value[i] < low ? s->value[i] : low;
         high = s->value[i] > high ? s->value[i] : high;
     }
-    fprintf(stderr, "stokes: %s: %zu values of %g to %g, %g to %g nm\n", path, s->count, low, high,
-            s->lambda_nm[0], s->lambda_nm[s->count - 1]);
+    printf("%s: %zu values of %g to %g, %g to %g nm\n", path, s->count, low, high, s->lambda_nm[0],
+           s->lambda_nm[s->count - 1]);
 }
 
 /* An instrument's noise about zero: no light is negative, and the stream takes none. */
@@ -224,7 +232,7 @@ static int import(const struct arguments *a)
     stokes_error err;
     if (a->places != 1 || !a->out)
         return cli_usage("spectrum", "FILE and an output (-o) are wanted");
-    stokes_spectrum *s = stokes_spectrum_read(a->place[0], a->column, &err);
+    stokes_spectrum *s = stokes_spectrum_read(a->place[0], a->column, print_note, NULL, &err);
     if (!s)
         return cli_fail(&err);
     for (size_t i = 0; a->percent && i < s->count; i++)

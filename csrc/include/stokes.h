@@ -142,9 +142,12 @@ typedef struct stokes_spectrum {
     double *lambda_nm, *value;
     bool holds;
 } stokes_spectrum;
-/* An entry of the library, or a file: lines of a wavelength and, in `column` (from 1 on), a value, parted by commas, semicolons or blanks.
-   Yours (stokes_spectrum_destroy); NULL with *err. */
-STOKES_API stokes_spectrum *stokes_spectrum_read(const char *name_or_path, int column, stokes_error *err);
+/* An entry of the library, or a file: lines of a wavelength and, in `column` (from 1 on: the wavelengths are column 0), a value, parted by commas,
+   semicolons, tabs or spaces, in UTF-8 or in UTF-16 with its mark. In nm, or in Å where a title above them says so. What was taken for granted
+   is told to `note` (may be NULL), a line each. Yours (stokes_spectrum_destroy); NULL with *err. */
+STOKES_API stokes_spectrum *stokes_spectrum_read(const char *name_or_path, int column,
+                                                 void (*note)(void *user, const stokes_error *what),
+                                                 void *user, stokes_error *err);
 STOKES_API double stokes_spectrum_value(const stokes_spectrum *, double lambda_nm);
 /* As lines of a wavelength and a value or, by its ending .json, as the stream takes it: {"table": …}. */
 STOKES_API bool stokes_spectrum_write(const stokes_spectrum *, const char *path, stokes_error *err);

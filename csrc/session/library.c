@@ -133,7 +133,9 @@ static stokes_spectrum *of_illuminant(const char *name, stokes_error *err)
     return s;
 }
 
-stokes_spectrum *stokes_spectrum_read(const char *what, int column, stokes_error *err)
+stokes_spectrum *stokes_spectrum_read(const char *what, int column,
+                                      void (*note)(void *user, const stokes_error *what), void *user,
+                                      stokes_error *err)
 {
     const struct library_entry *entry = library_find(what);
     const struct glass *glass = listed_glass(what);
@@ -142,7 +144,7 @@ stokes_spectrum *stokes_spectrum_read(const char *what, int column, stokes_error
         return entry ? of_entry(entry) : glass ? of_glass(glass) : of_illuminant(what, err);
     }
     char *text = session_read_text(what, err);
-    stokes_spectrum *s = text ? spectrum_from_text(text, column, what, err) : NULL;
+    stokes_spectrum *s = text ? spectrum_from_text(text, column, what, note, user, err) : NULL;
     free(text);
     return s;
 }

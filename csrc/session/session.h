@@ -68,7 +68,7 @@ bool session_settings_check(const struct session_settings *, stokes_error *err);
 bool session_settings_override(struct session_settings *, const stokes_overrides *, stokes_error *err);
 int session_threads(const struct session_settings *);
 
-/* A whole text file, ended by NUL; free. NULL with *err, also where it holds a NUL. */
+/* A whole text file, ended by NUL; free. UTF-16 that begins with its mark becomes UTF-8. NULL with *err, also where it holds a NUL. */
 char *session_read_text(const char *path, stokes_error *err);
 
 /* Compiles and builds what the messages brought. */

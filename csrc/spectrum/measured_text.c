@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/os.h"
 #include "spectrum/measured.h"
-#include "spectrum/spectrum_text.h"
+#include "spectrum/text_cells.h"
 
 /* One value more than a line may hold. */
 #define VALUES (RERADIATION_BANDS_MAX + 2)

@@ -7,12 +7,11 @@
 /* Below it there is no light that a scene may carry: a table that ends there is in µm. */
 #define TABLE_SHORTEST_NM 50.0
 
-/* Where semicolons part the columns of a line a comma is a decimal mark, as spreadsheets of half of Europe write it: it becomes the point that
-   strtod knows. False if there is no semicolon. */
-bool text_settle_commas(char *line);
-
-/* Rows of a wavelength (nm) and the value in a column (from 1 on), by ascending wavelength. Lines that do not begin with a number are titles.
-   `text` ends with NUL and is changed. NULL with *err; yours to free, with the table's arrays in it. */
-stokes_spectrum *spectrum_from_text(char *text, int column, const char *name, stokes_error *err);
+/* Rows of a wavelength and the value in a column (from 1 on: the wavelengths are column 0), by ascending wavelength in nm. Lines that do not begin
+   with a number are titles; one before the rows may say that wavelengths are in Å. `text` is UTF-8, ends with NUL and is changed. What was
+   taken for granted is told to `note` (may be NULL), a line each. NULL with *err; yours to free, with the table's arrays in it. */
+stokes_spectrum *spectrum_from_text(char *text, int column, const char *name,
+                                    void (*note)(void *user, const stokes_error *what), void *user,
+                                    stokes_error *err);
 
 #endif
