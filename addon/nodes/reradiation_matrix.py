@@ -1,9 +1,6 @@
 """Reradiation Matrix: a diffuse surface that glows, as a bispectral photometer measured it. The
 core reads the file; what it read stays in the .blend file."""
 
-import os
-import tempfile
-
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
@@ -44,14 +41,9 @@ def parse(text):
 
 
 def _import(source):
-    """What the core reads of a file or a library entry, as CSV, and what it says about it."""
     from ..engine.session import core_preference
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "matrix.csv")
-        notes = tool.run(core_preference(), ["matrix", "import", source, "-o", path], SECONDS)
-        with open(path, encoding="utf-8") as file:
-            return file.read(), notes
+    return tool.imported(core_preference(), "matrix", source, SECONDS)
 
 
 def _read(self, context):

@@ -1,8 +1,12 @@
-"""Measured Spectrum: a table from a CSV or SPD file. What was read stays in the .blend file."""
+"""Measured Spectrum: a table from a CSV or SPD file. The core reads the file; what it read stays in
+the .blend file."""
+
+import os
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
+from ..core import tool
 from . import library
 from .base import COLOR_OUT, NodeKind, on_change, unit_property
 
@@ -12,72 +16,33 @@ KINDS = (
     ('EMISSION', "Emission", "A light or a glow; zero beyond the ends of the table"),
 )
 
-
-MOST_ROWS = 65534  # the stream takes 65 536, and lights end in two more
-SHORTEST_NM = 50.0  # below that there is no light that a scene may carry
+SECONDS = 30
 
 
-class SpectrumFileError(Exception):
-    pass
+def _import(filepath, column):
+    """"nm value nm value …" of a file, and what the core says about it, without the file's name."""
+    from ..engine.session import core_preference
 
-
-def parse(text, column=1):
-    """[(nm, value)] in ascending order from lines of numbers parted by commas, semicolons or
-    blanks; beside semicolons a comma is a decimal mark. Lines that do not begin with a number are
-    titles. `stokes spectrum` reads the same."""
-    table = []
-    for number, line in enumerate(text.splitlines(), 1):
-        words = line.replace(",", "." if ";" in line else " ").replace(";", " ").split()
-        try:
-            nm = float(words[0])
-        except (ValueError, IndexError):
-            continue
-        try:
-            table.append((nm, float(words[column])))
-        except (ValueError, IndexError):
-            raise SpectrumFileError(
-                "line %d: no number in column %d" % (number, column + 1)
-            ) from None
-    if len(table) < 2:
-        raise SpectrumFileError("needs at least two lines of wavelength and value")
-    if len(table) > MOST_ROWS:
-        raise SpectrumFileError("has %d lines; at most %d are taken" % (len(table), MOST_ROWS))
-    table.sort()
-    for (x0, _y0), (x1, _y1) in zip(table, table[1:]):
-        if x0 == x1:
-            raise SpectrumFileError("wavelength %g stands twice" % x0)
-    if table[0][0] <= 0:
-        raise SpectrumFileError("wavelength %g is not above 0" % table[0][0])
-    if table[-1][0] < SHORTEST_NM:
-        raise SpectrumFileError(
-            "wavelengths end at %g: they are wanted in nm, not in µm" % table[-1][0]
+    # Whole, so that no file can be taken for an entry of the library.
+    source = os.path.abspath(bpy.path.abspath(filepath))
+    try:
+        text, notes = tool.imported(
+            core_preference(), "spectrum", source, SECONDS, "--column", str(column)
         )
-    if not all(abs(number) < 1e30 for row in table for number in row):
-        raise SpectrumFileError("a value is not finite")
-    return table
-
-
-def below_zero(table):
-    """What is done about an instrument's noise about zero, in words; empty if there is none."""
-    low = [value for _nm, value in table if value < 0.0]
-    if not low:
-        return ""
-    counts = len(low), len(table), min(low)
-    return "%d of %d values are below zero, down to %.3g: taken as 0" % counts
+    except tool.ToolError as error:
+        raise tool.ToolError(str(error).removeprefix(source + ": ")) from error
+    rows = text.splitlines()[1:]
+    notes = [note.removeprefix(source + ": ") for note in notes.splitlines()]
+    return " ".join(rows).replace(",", " "), "\n".join(notes)
 
 
 def _read(self, context):
     self.problem = self.notes = self.data = ""
     if self.filepath:
         try:
-            with open(
-                bpy.path.abspath(self.filepath), encoding="utf-8-sig", errors="replace"
-            ) as source:
-                table = parse(source.read(), self.column)
-            self.data = " ".join("%.9g %.9g" % row for row in table)
-            self.notes = below_zero(table)
-        except (OSError, SpectrumFileError) as error:
-            self.problem = getattr(error, "strerror", None) or str(error)
+            self.data, self.notes = _import(self.filepath, self.column)
+        except tool.ToolError as error:
+            self.problem = str(error)
     on_change(self, context)
 
 
@@ -86,7 +51,8 @@ class StokesSpectrumFileSettings(bpy.types.PropertyGroup):
         name="File",
         subtype='FILE_PATH',
         update=_read,
-        description="Lines of a wavelength in nm and a value, parted by commas or blanks",
+        description="Lines of a wavelength in nm and a value, parted by commas, semicolons, tabs or "
+        "spaces. Wavelengths may be in Å if a title above them says so",
     )
     column: IntProperty(
         name="Column",
@@ -111,7 +77,9 @@ class StokesSpectrumFileSettings(bpy.types.PropertyGroup):
     )
     data: StringProperty(name="Data", options={'HIDDEN'}, description="What was read from the file")
     notes: StringProperty(
-        name="Notes", options={'HIDDEN'}, description="What was done about noise below zero"
+        name="Notes",
+        options={'HIDDEN'},
+        description="What was done about noise, and what was taken for granted",
     )
     problem: StringProperty(
         name="Problem", options={'HIDDEN'}, description="Why the file could not be read"
@@ -143,8 +111,8 @@ class SpectrumFile(NodeKind):
         layout.prop(settings, "filepath")
         if settings.problem:
             layout.label(text=settings.problem, icon='ERROR')
-        if settings.notes:
-            layout.label(text=settings.notes, icon='INFO')
+        for note in settings.notes.splitlines():
+            layout.label(text=note, icon='INFO')
         layout.prop(settings, "column")
         layout.prop(settings, "kind")
         if settings.kind == 'EMISSION':

@@ -144,38 +144,6 @@ tell([told, before == (len(tree.nodes), len(bpy.data.node_groups))])
 
 
 @oldest_and_newest
-def test_a_table_is_read_whatever_parts_its_columns_and_stays_in_the_file(host, tmp_path):
-    (tmp_path / "good.csv").write_text("nm;percent;other\n# a title\n700;50;1\n400;10;2\n\n500,5;90,5;3\n600 80, 5\n")
-    (tmp_path / "twice.csv").write_text("400 1\n400 2\n")
-    (tmp_path / "micrometres.csv").write_text("0.4 1\n0.7 2\n")
-    (tmp_path / "negative.csv").write_text("-400 1\n700 2\n")
-    (tmp_path / "long.csv").write_text("".join("%.3f 1\n" % (300 + i / 200) for i in range(70000)))
-    found = tell(host, tmp_path, """
-from addon.nodes import spectrum_file
-made = nodes.new(tree, "spectrum_file", percent=True)
-settings = made.stokes.spectrum_file
-settings.filepath = os.path.join(TMP, "good.csv")
-told = [spectrum_file.table_of(settings), settings.problem]
-os.remove(settings.filepath)
-told.append(len(spectrum_file.table_of(settings)))
-settings.filepath = os.path.join(TMP, "twice.csv")
-told += [settings.problem, spectrum_file.table_of(settings)]
-for name in ("missing", "micrometres", "negative", "long"):
-    settings.filepath = os.path.join(TMP, name + ".csv")
-    told.append(settings.problem)
-tell(told)
-""")
-    rows = [[400, 0.1], [500.5, 0.905], [600, 0.8], [700, 0.5]]
-    assert found[0] == [pytest.approx(row) for row in rows]
-    assert found[1] == "" and found[2] == 4
-    assert found[3] == "wavelength 400 stands twice" and found[4] == []
-    assert found[5] == "No such file or directory"
-    assert found[6] == "wavelengths end at 0.7: they are wanted in nm, not in µm"
-    assert found[7] == "wavelength -400 is not above 0"
-    assert found[8] == "has 70000 lines; at most 65534 are taken"
-
-
-@oldest_and_newest
 def test_numbers_of_menu_entries_are_unique_and_do_not_depend_on_their_order(host, tmp_path):
     found = tell(host, tmp_path, """
 from addon.nodes import library, fluorescent

@@ -431,17 +431,6 @@ tell(told + [[warning[1:] for warning in context.warnings]])
     assert found[2] == 2 * [["Material Output", "the surface has more than 8 lobes; the weakest are cut"]]
 
 
-@oldest_and_newest
-def test_noise_below_zero_of_a_measured_spectrum_is_cut_and_told(host, tmp_path):
-    (tmp_path / "noisy.csv").write_text("400 50\n500 -1\n600 20\n")
-    found = tell(host, tmp_path, """
-made = nodes.new(tree, "spectrum_file", filepath=os.path.join(TMP, "noisy.csv"), percent=True)
-tell([diffuse_of(made)["table"]["value"], context.warnings])
-""")
-    assert found[0] == [0.5, 0, pytest.approx(0.2)]
-    assert [warning[2] for warning in found[1]] == ["1 of 3 values are below zero, down to -1: taken as 0"]
-
-
 def test_what_is_not_supported_is_named_with_what_is_used(host, tmp_path):
     found = tell(host, tmp_path, """
 noise = node("ShaderNodeTexNoise")

@@ -117,8 +117,8 @@ def from_file(node, output, graph):
     if not rows:
         graph.warn(node, "%s; a spectrum of 0.5 is used" % (settings.problem or "has no file"))
         return Spectral(0.5, settings.unit)
-    if settings.notes:
-        graph.warn(node, settings.notes)
+    for note in settings.notes.splitlines():
+        graph.warn(node, note)
     if (
         settings.kind != 'REFLECTANCE'
     ):  # the stream holds ends where it takes a reflectance; these must end in zero
