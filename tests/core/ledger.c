@@ -138,7 +138,7 @@ static struct integrator_settings settings_of(const struct subject *subject)
     settings.kernel = subject->kernel;
     settings.shared_wavelength = subject->shared;
     settings.light_paths = subject->light_paths;
-    settings.d0_nm = 4;
+    settings.d0_nm = subject->half_width_nm > 0 ? subject->half_width_nm : 4;
     settings.shrink = 0;
     settings.max_path = subject->edges;
     settings.all_techniques = !subject->inner;

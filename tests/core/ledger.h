@@ -19,6 +19,7 @@ struct subject {
     struct scene *(*place)(struct range, int pixels); /* with volumes; NULL: a box of boxes.h */
     double sees_error;                                /* of a path length's whole light; 0: 0.025 */
     double light_paths;                               /* of a sample; 0: 1 */
+    double half_width_nm;                             /* of the kernel; 0: 4 */
 };
 
 /* An inner vertex that keeps the wavelength and is no δ. */
