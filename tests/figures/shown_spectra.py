@@ -2,6 +2,7 @@
 
 import numpy as np
 
+import colour
 import plots
 import spectra
 from plots import plt
@@ -10,20 +11,38 @@ from spectra import constants, medium
 NM = np.arange(300.0, 831.0)
 
 
+def below(panel, columns):
+    """A legend where no curve passes."""
+    panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncol=columns)
+
+
+def ground_where_hardly_seen(panel):
+    """Beyond these wavelengths a colour says nothing of its curve: there a blue may be as bright as a red."""
+    nm = np.arange(360.0, 831.0)
+    seen = nm[colour.cmf(nm).max(axis=1) > 0.01 * colour.cmf(nm).max()]
+    label = "hardly seen: under 1 % of the eye's peak"
+    panel.axvspan(NM[0], seen[0], color="0.93", zorder=0, label=label)
+    panel.axvspan(seen[-1], NM[-1], color="0.93", zorder=0)
+
+
 def figure_4():
     bias = constants("bias")
-    figure, axes = plt.subplots(1, 2, figsize=(10, 3.6), sharey=True)
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), sharey=True)
     for name, rgb in bias["RGB"].items():
-        (line,) = axes[0].plot(NM, spectra.upsampled(rgb, NM), color=name if name != "grey" else "#777777", label=name)
+        color = name if name != "grey" else "#777777"
+        axes[0].plot(NM, spectra.upsampled(rgb, NM), color=color, label="%s (%g, %g, %g)" % (name, *rgb))
         nm, measured = spectra.measured_reflectance({"rgb": list(rgb)}, plots.WORK / "reflectance")
-        axes[0].plot(nm, measured, "o", color=line.get_color(), markersize=2.5)
-    axes[0].set_title("upsampled from RGB; dots: measured in the core's renders")
+        axes[0].plot(nm, measured, "o", color=color, markersize=2.5)
+    axes[0].plot([], [], "-", color="black", label="lines: fitted here, as [JH19]")
+    axes[0].plot([], [], "o", color="black", markersize=2.5, label="dots: measured in the core's renders")
+    ground_where_hardly_seen(axes[0])
+    axes[0].set_title("upsampled from linear sRGB, held below 360 nm")
     for patch, color in zip(bias["PATCHES"].values(), ("#00a0c0", "green", "#c02020")):
         axes[1].plot(NM, spectra.library("colorchecker/" + patch, NM), color=color, label="ColorChecker " + patch)
     axes[1].set_title("measured patches, held constant beyond their tables")
-    for panel in axes:
+    for panel, columns in zip(axes, (2, 2)):
         plots.spectrum_axes(panel, "reflectance", 1.02)
-        panel.legend(loc="center right")
+        below(panel, columns)
     figure.tight_layout()
     plots.save(figure, "figure-04-reflectances")
 
