@@ -84,6 +84,8 @@ static bool check_wavelengths(const double *center, int count, const char *which
     if (center[count - 1] < TABLE_SHORTEST_NM)
         return fail(err, name, which, "wavelengths end at %g: they are wanted in nm, not in µm",
                     center[count - 1]);
+    if (center[0] > MATRIX_FURTHEST_NM)
+        return fail(err, name, which, "wavelengths begin at %g: they are wanted in nm, not in Å", center[0]);
     for (int i = 0; i < count; i++) {
         if (!(center[i] > 0 && isfinite(center[i])))
             return fail(err, name, which, "wavelength %d is %g nm", i + 1, center[i]);

@@ -46,6 +46,7 @@ static const char *marks_of(char *line)
    no number (nan, -, n/a) are missing, too. Returns how many there are, at most VALUES. */
 static int read_values(char *text, float *values)
 {
+    text_drop_quotes(text);
     const char *marks = marks_of(text);
     bool places = marks[0] != ' ';
     int count = 0;

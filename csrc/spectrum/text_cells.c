@@ -131,6 +131,19 @@ bool text_cell_at(const char *line, int column, struct text_cell *cell)
     return true;
 }
 
+void text_drop_quotes(char *line)
+{
+    char *out = line;
+    for (const char *c = line; *c;) {
+        size_t length = *c == '"' ? strcspn(c + 1, "\",;") : 0;
+        bool whole = *c == '"' && c[length + 1] == '"';
+        memmove(out, c + whole, whole ? length : 1);
+        out += whole ? length : 1;
+        c += whole ? length + 2 : 1;
+    }
+    *out = 0;
+}
+
 /* --- Numbers ------------------------------------------------------------------------------------------------- */
 
 /* One to three digits, a comma, three digits: 1,125 may be 1125. 0,125 may not. */

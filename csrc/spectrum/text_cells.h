@@ -22,7 +22,11 @@ enum text_number {
    strtod knows. False if there is no semicolon. */
 bool text_settle_commas(char *line);
 
-/* The same where blanks part numbers that have commas within and no point ("400 0,25"); after text_settle_commas. True if there were such commas. */
+/* Drops quotes about what holds no mark that parts columns: where cells are told apart without text_cell_at. */
+void text_drop_quotes(char *line);
+
+/* Commas become points, too, where blanks part numbers that have commas within and no point ("400 0,25"); after text_settle_commas. True
+   if there were such commas. */
 bool text_settle_blanks(char *line);
 
 /* A cell of a line (0: the first): commas, semicolons, tabs and runs of spaces part them, and quotes hold one together. False if the line has no

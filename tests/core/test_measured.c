@@ -99,6 +99,8 @@ static void separators_and_marks_of_csv_do_not_matter(void **state)
         "# a note\nx 380 390 400\n380 0.5 0 0\n390 0.1 0.6 0\n400 0.02 0.1 0.7\n\n410 0.01 0.03 0.2\n",
         "x, 380, 390, 400\n380, 0.5, 0, 0\n390, 0.1, 0.6, 0\n400, 0.02, 0.1, 0.7\n410, 0.01, 0.03, 0.2\n",
         "x;380;390;400\n380;0,5;0;0\n390;0,1;0,6;0\n400;0,02;0,1;0,7\n410;0,01;0,03;0,2\n",
+        "\"\",\"380\",\"390\",\"400\"\n\"380\",\"0.5\",0,0\n390,\"0.1\",\"0.6\",\"0\"\n400,0.02,0.1,0.7\n"
+        "410,0.01,0.03,\"0.2\"\n",
         "# a BFC-450 Matrix of VEC_01, r:c:\n" CSV};
     struct told told;
     stokes_matrix *wanted = must_read(CSV, &told);
@@ -254,6 +256,7 @@ static void what_is_wrong_is_named(void **state)
     must_fail("x,400,410\n400,1,0\n", "1 outgoing");
     must_fail("x,400,410\n410,1,0\n400,0,1\n", "400 nm comes after 410 nm");
     must_fail("x,0.4,0.41\n0.4,1,0\n0.41,0,1\n", "end at 0.41: they are wanted in nm, not in µm");
+    must_fail("x,4000,4100\n4000,1,0\n4100,0,1\n", "begin at 4000: they are wanted in nm, not in Å");
     must_fail("x,400,400.1\n400,1,0\n410,0,1\n", "steps of at least");
     must_fail("x,400,410\n400,1e30,0\n410,0,1\n", "is no share");
     must_fail("x,400,410\n500,1,0\n510,0,1\n", "no band was measured that holds its own light");

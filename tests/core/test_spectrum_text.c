@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "spectrum/spectrum_text.h"
+#include "spectrum/text_cells.h"
 #include "spectrum/text_unit.h"
 
 #define SEED 5u
@@ -87,6 +88,11 @@ static void every_beginning_of_a_text_is_a_text(void **state)
             memcpy(text, seeds[seed], length);
             reads(text, 1, &notes);
             text_unit_of(text);
+            char *copy = strdup(text);
+            assert_non_null(copy);
+            text_drop_quotes(copy);
+            assert_true(strlen(copy) <= length);
+            free(copy);
         }
 }
 
