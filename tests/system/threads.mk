@@ -9,5 +9,5 @@ THREADS_ENV = TSAN_OPTIONS="suppressions=$(CURDIR)/tests/system/threads.supp hal
 test-threads: deps $(VENV)/.done ## the core's threads under ThreadSanitizer
 	@$(MAKE) --no-print-directory VARIANT=tsan core
 	@$(THREADS_ENV) $(FIXED_ADDRESSES) $(MAKE) --no-print-directory VARIANT=tsan test-core NAMES="base stream"
-	$(THREADS_ENV) $(FIXED_ADDRESSES) $(VENV)/bin/python -m pytest -q tests/system/test_serving.py tests/system/test_determinism.py \
+	$(THREADS_ENV) $(FIXED_ADDRESSES) $(VENV)/bin/python -m pytest -q -n $(JOBS) tests/system/test_serving.py tests/system/test_determinism.py \
 	    -k "(serving and not heavy) or (threads_change_no_bit and (lt-1 or mbdpt-1 or bdpt-4))"
