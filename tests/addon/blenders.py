@@ -1,5 +1,6 @@
 """The Blenders that the add-on is tested in, and how to run a script in each, in a process of its own with a time-out.
-Run as a program it is the launcher of a script in bpy, the module, which dies at exit unless engines are unregistered."""
+Run as a program it is the launcher of a script in bpy, the module, which dies at exit unless engines are unregistered; without
+a script it installs what is missing, for tests to come."""
 
 import fcntl
 import functools
@@ -154,5 +155,16 @@ def _unregister_engines(bpy):
             bpy.utils.unregister_class(engine)
 
 
+def _install_all():
+    for name in MODULES:
+        try:
+            blender(name)
+        except Missing as why:
+            print(why, file=sys.stderr)
+
+
 if __name__ == "__main__":
-    _launch(sys.argv[1], sys.argv[2:])
+    if len(sys.argv) > 1:
+        _launch(sys.argv[1], sys.argv[2:])
+    else:
+        _install_all()
