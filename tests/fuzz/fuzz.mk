@@ -6,7 +6,7 @@ FLAGS.fuzz = -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,un
 
 .PHONY: fuzz fuzz-run
 fuzz: deps ## fuzz the stream's parser for a minute (FUZZ_SECONDS); TARGET=render goes further
-	@$(MAKE) --no-print-directory VARIANT=fuzz CC=clang CXX=clang++ fuzz-run
+	@$(MAKE) --no-print-directory -j$(JOBS) VARIANT=fuzz CC=clang CXX=clang++ fuzz-run
 
 fuzz-run: $(BUILD)/fuzz_$(TARGET)
 	@mkdir -p $(BUILD)/corpus_$(TARGET) $(BUILD)/seeds
