@@ -14,12 +14,13 @@ SCENES = {}
 
 class Scene:
     """`samples` are Cycles' of one render and Stokes' wavelengths a pixel (two renders of each are made); `size` is in
-    pixels. All but what every Blender sees is rendered in bundles of four wavelengths: half the time, for the noise."""
+    pixels. All is rendered in bundles of four wavelengths, half the time for the noise, but what every Blender sees: the
+    oldest sees it with a wavelength a path."""
 
     def __init__(self, build, samples, size, run):
         self.build = build
         self.name = build.__name__
-        self.lanes = 1 if run == "always" else 4
+        self.lanes = 1 if run == "always" and bpy and bpy.app.version < (4, 0, 0) else 4
         self.cycles_samples, self.stokes_samples = samples[0], samples[1] // self.lanes
         self.size = size
         self.run = run
