@@ -29,7 +29,9 @@ WIDTHS   = $(WIDTHS.$(VARIANT))
 WIDE     = $(patsubst %.c,%.o,$(filter-out csrc/cli/main.c,$(wildcard csrc/*/*.c)))
 NAMES    ?= *
 TESTS     = $(patsubst tests/core/test_%.c,$(BUILD)/tests/test_%,$(wildcard $(NAMES:%=tests/core/test_%.c)))
-RUNS      = $(TESTS:$(BUILD)/tests/%=run-%)
+DEAREST   = $(filter %/test_techniques,$(TESTS)) $(filter %/test_material_table,$(TESTS))
+# The dearest first: begun last, it would be waited for alone.
+RUNS      = $(patsubst $(BUILD)/tests/%,run-%,$(DEAREST) $(filter-out $(DEAREST),$(TESTS)))
 TEST_AIDS = $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/core/test_%,$(wildcard tests/core/*.c)))
 
 VENV  = build/venv
