@@ -56,7 +56,7 @@ static void copied_wavelengths_bring_what_a_path_tracer_finds(void **state)
 {
     (void)state;
     struct scene *scene = box_scene(ledger_range, true, LEDGER_PIXELS);
-    struct batches reference = copied_paths(scene, "pt", 448), copied = copied_paths(scene, "bdpt", 64);
+    struct batches reference = copied_paths(scene, "pt", 384), copied = copied_paths(scene, "bdpt", 24);
     assert_same(&reference, &copied, 1, (struct power){.sees_error = 0.16});
     scene_destroy(scene);
 }
@@ -64,10 +64,10 @@ static void copied_wavelengths_bring_what_a_path_tracer_finds(void **state)
 int main(void)
 {
     static struct subject
-        mbdpt = {.name = "mbdpt", .lanes = 1, .edges = 5, .samples = 32},
-        mbdpt_4 = {.name = "mbdpt", .lanes = 4, .edges = 5, .samples = 24},
-        mbdpt_inner = {.name = "mbdpt", .lanes = 8, .inner = true, .edges = 5, .samples = 48},
-        mbdpt_shared = {.name = "mbdpt", .lanes = 1, .edges = 5, .samples = 24, .shared = true},
+        mbdpt = {.name = "mbdpt", .lanes = 1, .edges = 5, .samples = 20},
+        mbdpt_4 = {.name = "mbdpt", .lanes = 4, .edges = 5, .samples = 16},
+        mbdpt_inner = {.name = "mbdpt", .lanes = 8, .inner = true, .edges = 5, .samples = 20},
+        mbdpt_shared = {.name = "mbdpt", .lanes = 1, .edges = 5, .samples = 12, .shared = true},
         mbdpt_box =
             {.name = "mbdpt", .lanes = 8, .inner = true, .edges = 5, .samples = 24, .kernel = KERNEL_BOX},
         mbdpt_asymmetric = {.name = "mbdpt",
@@ -77,21 +77,21 @@ int main(void)
                             .samples = 24,
                             .kernel = KERNEL_ASYMMETRIC},
         mbdpt_glass = {.name = "mbdpt", .lanes = 4, .lenses = true, .edges = 5, .samples = 72},
-        bdpt = {.name = "bdpt", .lanes = 1, .edges = 5, .samples = 48},
-        bdpt_4 = {.name = "bdpt", .lanes = 4, .edges = 5, .samples = 96},
-        bdpt_glass = {.name = "bdpt", .lanes = 1, .lenses = true, .edges = 7, .samples = 96},
-        bdpt_4_glass = {.name = "bdpt", .lanes = 4, .lenses = true, .edges = 7, .samples = 80},
+        bdpt = {.name = "bdpt", .lanes = 1, .edges = 5, .samples = 16},
+        bdpt_4 = {.name = "bdpt", .lanes = 4, .edges = 5, .samples = 20},
+        bdpt_glass = {.name = "bdpt", .lanes = 1, .lenses = true, .edges = 7, .samples = 64},
+        bdpt_4_glass = {.name = "bdpt", .lanes = 4, .lenses = true, .edges = 7, .samples = 64},
         bdpt_4_few =
-            {.name = "bdpt", .lanes = 4, .edges = 5, .samples = 40, .sees_error = 0.05, .light_paths = 0.25},
+            {.name = "bdpt", .lanes = 4, .edges = 5, .samples = 16, .sees_error = 0.05, .light_paths = 0.25},
         bdpt_glass_many = {.name = "bdpt",
                            .lanes = 1,
                            .lenses = true,
                            .edges = 7,
-                           .samples = 28,
+                           .samples = 14,
                            .sees_error = 0.05,
                            .light_paths = 2.5},
         mbdpt_4_few = {
-            .name = "mbdpt", .lanes = 4, .edges = 5, .samples = 16, .sees_error = 0.04, .light_paths = 0.5};
+            .name = "mbdpt", .lanes = 4, .edges = 5, .samples = 10, .sees_error = 0.04, .light_paths = 0.5};
     const struct CMUnitTest tests[] = {cmocka_unit_test(copied_wavelengths_bring_what_a_path_tracer_finds),
                                        TEST_OF(mbdpt),
                                        TEST_OF(mbdpt_4),

@@ -21,8 +21,8 @@ static void unclamped_chances_lose_light(void **state)
     (void)state;
     struct scene *scene = saturated_box_scene(whole, 16);
     /* mbdpt evaluates no run again, and needs no clamp. */
-    struct batches reference = box_mean_below(scene, whole, box_settings("mbdpt", 2), 32),
-                   other = box_mean_below(scene, whole, box_settings("bdpt", 2), 32);
+    struct batches reference = box_mean_below(scene, whole, box_settings("mbdpt", 2), 18),
+                   other = box_mean_below(scene, whole, box_settings("bdpt", 2), 18);
     struct finding found = batches_versus(&other, &reference, (struct power){.sees_error = 0.05}, 1);
     print_message("found %g, wanted %g, z %.1f\n", other.mean, reference.mean, found.z);
     assert_true(other.mean < reference.mean && !found.agrees);
