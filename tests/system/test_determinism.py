@@ -7,10 +7,12 @@ import pytest
 
 import exr
 import scenes
+from process import SLOWER
 
 INTEGRATORS = ["pt", "pt_nee", "lt", "mbdpt", "bdpt"]
 RESOLUTION = (40, 30)
 BINS = {"bins": (8, 380, 780)}
+PASSES = 16 if SLOWER == 1 else 8  # all are made alike: what an instrument finds, it finds in few
 
 
 @pytest.fixture(params=INTEGRATORS)
@@ -47,7 +49,7 @@ def assert_same_bits(first, second):
 @pytest.mark.parametrize("lanes", [1, 4, 8])
 def test_threads_change_no_bit(core, scene, integrator, lanes):
     pictures = [
-        core.render(scene, integrator=integrator, seed=3, samples=16, threads=threads, lanes=lanes, **BINS)
+        core.render(scene, integrator=integrator, seed=3, samples=PASSES, threads=threads, lanes=lanes, **BINS)
         for threads in (1, 2, 5)
     ]
     assert pictures[0].sums().any()

@@ -245,12 +245,15 @@ def test_a_killed_core_leaves_nothing(tmp_path):
 def test_interrupt_keeps_whole_passes(tmp_path):
     scene, out = tmp_path / "scene.stokes", tmp_path / "out.exr"
     scene.write_bytes(frames.scene(size=64, samples=1 << 20))
-    process = subprocess.Popen([STOKES, "render", scene, "-o", out, "-q"])
-    time.sleep(1)
-    process.send_signal(signal.SIGINT)
-    assert process.wait(SECONDS) == 130
-    samples = int(re.search(rb"samples: 0 to (\d+) of", run("info", out).stdout)[1])
-    assert samples > 0
+    for seconds in (1, 2, 4, 8):  # on a busy machine it takes longer to begin
+        process = subprocess.Popen([STOKES, "render", scene, "-o", out, "-q"])
+        time.sleep(seconds)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(SECONDS) == 130
+        found = re.search(rb"samples: 0 to ([1-9]\d*) of", run("info", out).stdout)
+        if found:
+            break
+    samples = int(found[1])
     again = tmp_path / "again.exr"
     assert run("render", scene, "-o", again, "-q", "-s", samples).returncode == 0
     assert again.read_bytes() == out.read_bytes()
@@ -259,7 +262,7 @@ def test_interrupt_keeps_whole_passes(tmp_path):
 def test_interrupt_in_the_first_pass_keeps_the_pixels_that_were_done(tmp_path):
     """They are those of a whole pass, by an integrator that splats nothing; the rest is transparent. Such a file is not merged."""
     scene, out, whole = tmp_path / "scene.stokes", tmp_path / "out.exr", tmp_path / "whole.exr"
-    scene.write_bytes(frames.scene(size=1536, samples=4))
+    scene.write_bytes(frames.scene(size=1536 if SLOWER == 1 else 768, samples=4))
     for seconds in (0.5, 1, 2, 4):  # on a busy machine it takes longer to begin
         process = subprocess.Popen(
             [STOKES, "render", scene, "-o", out, "-o", tmp_path / "out.png", "-t", "1"], stderr=subprocess.PIPE, text=True)
@@ -287,7 +290,7 @@ def test_interrupt_in_the_first_pass_keeps_the_pixels_that_were_done(tmp_path):
 def test_a_part_of_light_tracing_is_as_bright_as_the_whole(tmp_path):
     """All of it is splats: those of a share of the light paths count for all of them. A third or so is done, so their sum alone would
     miss the mean by much more than the six standard errors that are allowed."""
-    width, whole = 1024, tmp_path / "whole.exr"
+    width, whole = 1024 if SLOWER == 1 else 512, tmp_path / "whole.exr"
     size = 16 * width * width
     fd, film = memory(size)
     server = Server("--film", fd, fds=(fd,))
