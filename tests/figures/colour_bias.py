@@ -15,7 +15,7 @@ from spectra import constants
 LAMBDA = (380.0, 780.0)  # Λ of these scenes: light has no more than the eye sees, so that its ends show (§5.2)
 NM = np.arange(LAMBDA[0], LAMBDA[1], 0.5) + 0.25
 WIDTHS = (10, 20, 50, 100)  # d, nm
-PIXELS, SAMPLES = (8, 512) if kit.QUICK else (12, 4096)
+PIXELS, SAMPLES = (8, 128) if kit.QUICK else (12, 4096)
 MORE = {10: 8, 20: 4, 50: 2, 100: 1}  # times SAMPLES: a narrow kernel joins few paths
 ZOOM = 0.25  # of the whole view: the middle of the back wall
 BINS = (20, *LAMBDA)

@@ -8,7 +8,7 @@ import plots
 
 SCENES = ("spheres", "ufo", "lens")
 KERNELS = ((100, 0), (50, 0.2), (20, 0.2))
-SIZE = ((28, 21), 192, 2, 16) if kit.QUICK else ((64, 48), 1024, 3, 128)  # as in benchmark.SIZES
+SIZE = ((20, 15), 128, 2, 16) if kit.QUICK else ((64, 48), 1024, 3, 128)  # as in benchmark.SIZES
 
 
 def against_unidirectional(reference, results):

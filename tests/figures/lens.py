@@ -10,7 +10,7 @@ import kit
 import plots
 from plots import plt
 
-RESOLUTION, REFERENCE = ((24, 24), 512) if kit.QUICK else ((80, 80), 4096)
+RESOLUTION, REFERENCE = ((16, 16), 256) if kit.QUICK else ((80, 80), 4096)
 ROWS = (4, 32, 256, 1024)
 UNMOLLIFIED = "BDPT, unmollified"  # both sub-paths at one wavelength
 PREVIEW = (100, 0)

@@ -1,6 +1,7 @@
 """Exact answers on a fine grid of wavelengths: what a closed enclosure of one diffuse fluorescent material looks like
 (algorithm.md §8). Nothing here is shared with the core."""
 
+import functools
 import pathlib
 import re
 
@@ -28,6 +29,7 @@ class Table:
         return {"table": {"lambda": self.nm.tolist(), "value": self.values.tolist()}}
 
 
+@functools.lru_cache
 def floats_of(name):
     """A table of the core's CIE data, by its C name."""
     source = pathlib.Path(__file__).parents[2] / "csrc/color/cie.inc"
