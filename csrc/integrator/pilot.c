@@ -11,12 +11,13 @@
 #include "integrator/path.h"
 #include "integrator/roulette.h"
 
-enum { STAGES = 2, LOOKS = 6, PIXELS_MIN = 16, PIXELS_MAX = 256, BLOCKS = 2, BLOCK = 4 };
+enum { STAGES = 2, LOOKS = 10, PIXELS_MIN = 16, PIXELS_MAX = 256, BLOCKS = 2, BLOCK = 4 };
 static const int stage_pixels[STAGES] = {64, PIXELS_MAX};
 /* Samples that the frame has had for each one of a stage: with the stage before, looks cost a twentieth. */
 static const double samples_before = 25;
 static const uint32_t pilot_seed = 0x70696c6f;
-static const double hopeless = 1.25; /* loss, to go further the same way */
+static const double hopeless = 1.25; /* loss over the least so far, to try still more, which costs more */
+static const double fewest = 0.0625, most = 16;
 /* More light sub-paths make every sample dearer, and what is too rare for a few samples to see gains nothing by them. */
 static const double worth_more = 0.7;
 
@@ -117,14 +118,27 @@ static bool look(struct looking *l, double light_paths, struct look *look)
     return true;
 }
 
-/* The number of light sub-paths with the least variance × work. */
+/* Goes from one light sub-path by factors as far as that pays; `best` beats `worth` of what one has. */
+static bool climb(struct looking *l, double one, double factor, double worth, double *best, double *least)
+{
+    struct look other;
+    for (double light_paths = factor; light_paths >= fewest && light_paths <= most; light_paths *= factor) {
+        if (!look(l, light_paths, &other))
+            return false;
+        if (other.loss < *least && other.loss < worth * one) {
+            *least = other.loss;
+            *best = light_paths;
+        }
+        if (factor > 1 && other.loss > hopeless * *least)
+            break;
+    }
+    return true;
+}
+
+/* The number of light sub-paths with the least variance × work. With less of it on one side of 1 there is none to be had on the other. */
 static double choose(struct looking *l)
 {
-    static const struct {
-        double light_paths, loss; /* the latter to be beaten, of what one has */
-        bool goes_on;
-    } ways[LOOKS - 2] = {{0.5, 1, false}, {0.25, 1, true}, {2, worth_more, false}, {4, worth_more, true}};
-    struct look one, other = {0, 0};
+    struct look one;
     double best = 1, least;
     /* Twice: the first look tells what is typical. */
     if (!look(l, 1, &one))
@@ -133,16 +147,8 @@ static double choose(struct looking *l)
     if (!look(l, 1, &one))
         return best;
     least = one.loss;
-    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
-        if (ways[i].goes_on && other.loss > hopeless * one.loss)
-            continue;
-        if (!look(l, ways[i].light_paths, &other))
-            return best;
-        if (other.loss < least && other.loss < ways[i].loss * one.loss) {
-            least = other.loss;
-            best = ways[i].light_paths;
-        }
-    }
+    if (climb(l, one.loss, 0.5, 1, &best, &least) && best == 1)
+        climb(l, one.loss, 2, worth_more, &best, &least);
     return best;
 }
 

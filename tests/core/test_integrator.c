@@ -82,7 +82,7 @@ static void a_dye_that_absorbs_all_brings_runs_evaluated_again_what_it_brings_ot
 static void looks_cost_a_twentieth_of_the_samples_before(void **state)
 {
     (void)state;
-    static const int sizes[] = {3, 12, 48, 128, 600};
+    static const int sizes[] = {3, 12, 48, 128, 800};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         int pixels = sizes[i], border[4] = {0, 0, pixels, pixels}, from;
         struct scene *scene = world_scene(range, 0.01f, pixels);
@@ -106,7 +106,7 @@ static void looks_cost_a_twentieth_of_the_samples_before(void **state)
         }
         assert_in_range(looks, 1, 2);
         /* A large picture has them as soon as it has one sample. */
-        assert_true(pixels < 600 || from == 1);
+        assert_true(pixels < 800 || from == 1);
         integrator_destroy(it);
         film_destroy(film);
         scene_destroy(scene);
