@@ -81,7 +81,7 @@ $(BUILD)/tests/test_%: $(BUILD)/tests/core/test_%.o $(TEST_AIDS) $(BUILD)/libsto
 
 demo: core ## render the fluorescent spheres through headless Blender into build/demo
 	$(BLENDER) -b --factory-startup --python-exit-code 1 --python test_scenes/spheres.py -- \
-	    --output $(DEMO) --resolution $(RESOLUTION) --samples $(SAMPLES)
+	    --output $(DEMO) --resolution $(RESOLUTION) --samples $(SAMPLES) --integrator bdpt --lanes 4
 	@ls -l $(DEMO)
 
 test: core test-core $(VENV)/.done ## everything that must hold: the core's rooms, the add-on, whole renders

@@ -15,16 +15,16 @@ from bpy.props import (
 
 INTEGRATORS = (
     (
-        'mbdpt',
-        "Bidirectional (Mollified)",
-        "Paths from the camera and from the lights, connected across wavelengths. Best for "
-        "fluorescence with glass, caustics and hidden lights",
-    ),
-    (
         'bdpt',
         "Bidirectional (Exact)",
-        "Paths from both ends whose wavelengths are chosen to fit: no blur of colours, no width to "
-        "set. Best where dispersive glass is on one side only",
+        "Paths from the camera and from the lights, connected across wavelengths that are chosen "
+        "to fit: no blur of colours, no width to set",
+    ),
+    (
+        'mbdpt',
+        "Bidirectional (Mollified)",
+        "The published method: connects paths of different wavelengths through a kernel, which "
+        "blurs colours the less the more samples there are",
     ),
     (
         'pt_nee',
@@ -102,7 +102,7 @@ MOST_EDGES = 32  # of a path; the core takes no longer ones (STREAM.md, `setting
 PRESETS = {
     'PREVIEW': (
         "Preview",
-        "A quick look: few samples, wide mollification that does not shrink",
+        "A quick look: few samples, short paths; wide mollification that does not shrink",
         dict(samples=16, d0=100.0, shrink=0.0, max_path=12),
     ),
     'DRAFT': (
@@ -117,12 +117,10 @@ PRESETS = {
     ),
     'CAUSTICS': (
         "Glass and Caustics",
-        "Many bounces, and mollification that stays wide for longer",
+        "Paths from both ends, many bounces and many samples",
         dict(
-            integrator='mbdpt',
+            integrator='bdpt',
             samples=2048,
-            d0=50.0,
-            shrink=0.1,
             max_path=MOST_EDGES,
             max_transmission=MOST_EDGES,
             max_glossy=MOST_EDGES,
@@ -130,11 +128,10 @@ PRESETS = {
     ),
     'REFERENCE': (
         "Reference",
-        "As little bias as the method allows, at the price of time",
+        "Nothing left out, at the price of time",
         dict(
+            integrator='bdpt',
             samples=16384,
-            d0=20.0,
-            shrink=0.4,
             max_path=MOST_EDGES,
             max_camera=MOST_EDGES,
             max_light=MOST_EDGES,
@@ -191,14 +188,14 @@ class StokesSettings(bpy.types.PropertyGroup):
         name="Integrator",
         description="How light paths are found",
         items=INTEGRATORS,
-        default='mbdpt',
+        default='bdpt',
     )
     lanes: EnumProperty(
         name="Wavelengths",
         description="How many wavelengths each path carries. More of them cost time and take away "
         "colour noise, most of all where nothing disperses",
         items=LANES,
-        default='1',
+        default='4',
     )
     samples: IntProperty(
         name="Samples",

@@ -35,7 +35,8 @@ def arguments(name, resolution, samples, more=None):
     parser.add_argument("--resolution", nargs=2, type=int, default=resolution, metavar=("W", "H"))
     parser.add_argument("--samples", type=int, default=samples)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--integrator", default="mbdpt")
+    parser.add_argument("--integrator", default="mbdpt", help="as published, if not said otherwise")
+    parser.add_argument("--lanes", default="1", help="wavelengths of a path: 1, 4 or 8")
     parser.add_argument(
         "--engine", default="STOKES", help="CYCLES or an EEVEE shows the approximation"
     )
@@ -207,6 +208,7 @@ def render(name, options):
     scene.stokes.d0 = options.d0
     scene.stokes.shrink = options.shrink
     scene.stokes.integrator = options.integrator
+    scene.stokes.lanes = options.lanes
     scene.stokes.use_record = True
     scene.stokes.record_path = path + ".stokes"
     if hasattr(scene, "cycles"):

@@ -19,10 +19,12 @@ def send_scene(context, shown_camera, size, rectangle, threads=None):
     if threads is not None:
         settings["threads"] = threads
     if context.preview:
-        # A preview is a look, not a measurement: wide mollification that does not shrink is clean
-        # at once.
+        # Whatever finals leave out, a material is to be seen.
         settings.update(
-            d0=100.0, shrink=0.0, time_limit=PREVIEW_SECONDS, max_path=min(settings["max_path"], 12)
+            integrator="bdpt",
+            lanes=4,
+            time_limit=PREVIEW_SECONDS,
+            max_path=min(settings["max_path"], 12),
         )
     context.send("settings", **settings)
     _warn_of_scene(context)

@@ -74,7 +74,7 @@ class STOKES_PT_mollification(RenderPanel, bpy.types.Panel):
         settings = context.scene.stokes
         column = column_of(self.layout)
         if settings.integrator != 'mbdpt':
-            column.label(text="Used by the bidirectional integrator", icon='INFO')
+            column.label(text="Used by the mollified integrator", icon='INFO')
         column.active = settings.integrator == 'mbdpt'
         column.prop(settings, "d0", text="Width (nm)")
         column.prop(settings, "shrink")

@@ -15,7 +15,7 @@
 struct integrator_settings integrator_settings_default(void)
 {
     return (struct integrator_settings){
-        .name = "mbdpt",
+        .name = "bdpt",
         .lanes = 1,
         .d0_nm = 50,
         .shrink = 0.2,

@@ -353,13 +353,13 @@ while not (os.path.exists(log) and '"render"' in open(log).read()) and time.time
 frames = [json.loads(line) for line in open(os.path.join(TMP, "log"))]
 settings = [f["members"] for f in frames if f["name"] == "settings"][-1]
 camera = [f["members"] for f in frames if f["name"] == "camera"][-1]
-tell([time.time() - start, list(material.preview.image_size), settings["d0"], settings["shrink"],
+tell([time.time() - start, list(material.preview.image_size), settings["integrator"], settings["lanes"],
 camera["resolution"]])
 """,
         tmp_path,
     )
-    seconds, size, d0, shrink, resolution = told
-    assert size[0] > 0 and seconds < 10 and (d0, shrink) == (100, 0)
+    seconds, size, integrator, lanes, resolution = told
+    assert size[0] > 0 and seconds < 10 and (integrator, lanes) == ("bdpt", 4)
     assert resolution[0] == resolution[1] <= 256
 
 

@@ -81,7 +81,7 @@ static void defaults_are_those_of_the_page(void **state)
     stokes_error err;
     assert_true(stream_send(
         session, "settings",
-        "{\"integrator\": \"mbdpt\", \"seed\": 0, \"d0\": 50, \"shrink\": 0.2, \"kernel\": \"constant\","
+        "{\"integrator\": \"bdpt\", \"seed\": 0, \"d0\": 50, \"shrink\": 0.2, \"kernel\": \"constant\","
         "\"mollify_side\": \"light\", \"max_path\": 32, \"max_camera\": 32, \"max_light\": 32, "
         "\"max_diffuse\": 32,"
         "\"max_glossy\": 32, \"max_transmission\": 32, \"max_transparent\": 32, \"roulette_start\": 4,"

@@ -28,7 +28,7 @@ def textured(tree, picture, vector=None, **settings):
 
 # Principled ------------------------------------------------------------------------------------------------------
 
-@scene(run="always")
+@scene(samples=(64, 384), run="always")
 def principled_textured():
     show(lambda tree: principled(tree, Base_Color=textured(tree, pictures.chart()), Roughness=0.5))
 
