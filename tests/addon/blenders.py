@@ -115,8 +115,10 @@ def _install(name):
         status, text = _run([candidate, "-m", "venv", str(home)], SECONDS)
         if not status:
             status, text = _run([str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
-                                 "--retries", "1", "--only-binary", ":all:", "bpy==%s.*" % name], INSTALL_SECONDS)
-        if not status:
+                                 "--retries", "1", "--no-compile", "--only-binary", ":all:", "bpy==%s.*" % name], INSTALL_SECONDS)
+        if not status:  # Blender's own modules are compiled at their first import, a tenth of what there is; tests compile nothing
+            compiling = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+            _run([str(python), "-c", "import bpy"], SECONDS, compiling)
             (home / ".done").touch()
             return python, ""
         why = text.strip().splitlines()[-1] if text.strip() else "pip ended with %s" % status
