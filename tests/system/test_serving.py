@@ -317,24 +317,21 @@ def test_a_part_of_light_tracing_is_as_bright_as_the_whole(tmp_path):
 
 
 def test_renders_and_edits_one_after_another_take_no_more_memory(server):
-    """Pages, descriptors and threads after 20 rounds are those after 200, within 5 %."""
+    """Pages, descriptors and threads after 20 rounds and more are those of the last of 200; pages within 3 %. (The most of some rounds, for
+    ThreadSanitizer gives pages back at times, and takes them again.)"""
     proc = pathlib.Path("/proc/%d" % server.process.pid)
     server.send(LONG)
-    seen = []
+    pages, others = [], []
     for i in range(200):
         red = {"bsdf": "diffuse", "reflectance": {"rgb": [i / 200, 0.5, 0.2]}}
         kind = ("pt", "lt", "mbdpt", "bdpt")[i % 4]
         edit = frames.mesh() + frames.material(red) + frames.settings(integrator=kind)
         server.send(edit + frames.camera(32, 32) + frames.render(i, i + 1))
         server.wait("finished", samples=1)
-        pages = int((proc / "statm").read_text().split()[1])
-        seen.append(
-            (pages, len(list((proc / "fd").iterdir())), len(list((proc / "task").iterdir())))
-        )
-    assert seen[199][0] <= 1.05 * seen[20][0] and seen[199][1:] == seen[20][1:], (
-        seen[20],
-        seen[199],
-    )
+        pages.append(int((proc / "statm").read_text().split()[1]))
+        others.append((len(list((proc / "fd").iterdir())), len(list((proc / "task").iterdir()))))
+    assert max(pages[160:]) <= 1.03 * max(pages[20:60]), pages
+    assert others[199] == others[20]
 
 
 def test_a_time_limit_keeps_whole_passes(tmp_path):
