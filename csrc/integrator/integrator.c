@@ -201,6 +201,7 @@ struct integrator *integrator_create(const struct integrator_settings *settings,
     scene_camera_size(scene, it->full, it->border);
     it->lanes = settings->lanes;
     it->light_paths = settings->light_paths > 0 ? settings->light_paths : 1;
+    it->splat_trust = scene_camera_blurs(scene) ? 1 : 0.5 / (it->lanes * it->lanes);
     choose_techniques(it, kind);
     it->cuts = name_cuts(&it->settings);
     if (!wavelengths_create(&it->wavelengths, settings, scene, err) || !create_workers(it, err)) {

@@ -141,5 +141,5 @@ double link_factor(const struct integrator *it, const struct full_path *path, co
     if (path->edges == 1 && (path->light->distant || !scene_light_seen_by_camera(it->scene, path->light)))
         return 0;
     return (it->exact ? exact_wavelength(it, path, chart, c) : mollified_wavelength(it, path, c)) *
-           technique_rate(it, c, path->edges + 1 - c) / path->step[c].geometry;
+           technique_trust(it, c, path->edges + 1 - c) / path->step[c].geometry;
 }

@@ -328,7 +328,7 @@ LANES_INLINE void weigh_exact(int lanes, const struct integrator *it, const stru
     exact_link(lanes, y, x, product, draw_y, draw_x, copy, link);
     close(lanes, y, x, product, draw_x, draw_y, copy, of_y);
     close(lanes, x, y, product, draw_y, draw_y, copy, of_x);
-    weigh(lanes, j, technique_rate(it, j->s, j->t), link, of_y, of_x, weight);
+    weigh(lanes, j, technique_trust(it, j->s, j->t), link, of_y, of_x, weight);
 }
 
 LANES_INLINE void weigh_mollified(int lanes, const struct integrator *it, const struct worker *w,
@@ -343,7 +343,7 @@ LANES_INLINE void weigh_mollified(int lanes, const struct integrator *it, const 
     else
         for (int i = 0; i < lanes; i++)
             link[i] = y->is_start || x->is_start ? 1 : w->reach_nm;
-    weigh(lanes, j, technique_rate(it, j->s, j->t), link, y->q.closed, x->q.closed, weight);
+    weigh(lanes, j, technique_trust(it, j->s, j->t), link, y->q.closed, x->q.closed, weight);
 }
 
 void tally_weigh(const struct integrator *it, const struct worker *w, const struct joint *j,
@@ -378,7 +378,7 @@ void tally_weigh_sighting(const struct integrator *it, const struct worker *w, c
                                                            scene_light_seen_by_camera(it->scene, light)));
     struct arrival here = *at;
     double rate =
-        technique_rate(it, 1, edges) / technique_rate(it, 2, edges); /* tally_pass took it for s = 2 */
+        technique_trust(it, 1, edges) / technique_trust(it, 2, edges); /* tally_pass took it for s = 2 */
     if (!vertex_begins_light_paths(&w->camera.vertex[edges - 1]))
         LANES_CALL(tally_clear, it->lanes, &here.tally);
     for (int i = 0; i < it->lanes; i++)

@@ -253,6 +253,11 @@ bool scene_camera_is_orthographic(const struct scene *scene)
     return scene->camera->input.orthographic;
 }
 
+bool scene_camera_blurs(const struct scene *scene)
+{
+    return scene->camera->input.lens_radius > 0;
+}
+
 void scene_camera_size(const struct scene *scene, int full[2], int border[4])
 {
     for (int i = 0; i < 2; i++)

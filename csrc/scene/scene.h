@@ -124,6 +124,7 @@ bool scene_camera_connect(const struct scene *, struct vec3 from, float margin, 
 /* An orthographic camera is the dual of a distant light: its position on the film plane is what the pixel draws, its direction is
    a δ that the point on the lens decides. `pdf` is then per area perpendicular to the axis. */
 bool scene_camera_is_orthographic(const struct scene *);
+bool scene_camera_blurs(const struct scene *); /* has a lens, not a pinhole */
 void scene_camera_size(const struct scene *, int full[2], int border[4]);
 
 /* --- Fluorophores, for the product tables ------------------------------------------------------------------ */

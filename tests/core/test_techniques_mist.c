@@ -20,7 +20,7 @@ int main(void)
                           mist_mbdpt_4 = {.name = "mbdpt",
                                           .lanes = 4,
                                           .edges = 4,
-                                          .samples = 12,
+                                          .samples = 22,
                                           .place = misty_box_scene,
                                           .sees_error = 0.04},
                           mist_bdpt = {.name = "bdpt",
@@ -32,7 +32,7 @@ int main(void)
                           mist_bdpt_4 = {.name = "bdpt",
                                          .lanes = 4,
                                          .edges = 4,
-                                         .samples = 6,
+                                         .samples = 32,
                                          .place = misty_box_scene,
                                          .sees_error = 0.04};
     const struct CMUnitTest tests[] = {TEST_OF(mist_mbdpt), TEST_OF(mist_mbdpt_4), TEST_OF(mist_bdpt),
