@@ -102,7 +102,7 @@ static void look_at(void *context, size_t i, int worker)
 static bool look(struct looking *l, double light_paths, struct look *look)
 {
     struct integrator *it = l->it;
-    double sum = 0, squares = 0, work = 0, samples = (double)l->pixels * BLOCKS * BLOCK;
+    double sum = 0, squares = 0, work = 0, met = 0, samples = (double)l->pixels * BLOCKS * BLOCK;
     it->light_paths = light_paths;
     thread_run(it->worker_count, (size_t)l->pixels, look_at, should_stop, l);
     if (should_stop(l))
@@ -112,7 +112,11 @@ static bool look(struct looking *l, double light_paths, struct look *look)
         sum += block[0] + block[1] + l->seen[i].trial.splats;
         squares += pixel_variance(block, it->typical) * BLOCKS * BLOCK + l->seen[i].trial.squares;
         work += l->seen[i].trial.work;
+        met += l->seen[i].trial.met;
     }
+    /* Not every block has a light sub-path then, which makes two of them differ. In a render all have, for they are stratified. */
+    if (light_paths * BLOCK < 1)
+        squares = fmax(0, squares - met * met / samples / light_paths);
     look->mean = sum / samples;
     look->loss = squares / samples * (work / samples);
     return true;
