@@ -4,6 +4,7 @@
 #include "integrator/flight.h"
 #include "integrator/mis.h"
 #include "integrator/relight.h"
+#include "integrator/roulette.h"
 #include "integrator/tally.h"
 
 enum { LAMPS_MAX = 16 };
@@ -72,6 +73,15 @@ static void whole_path(const struct worker *w, const struct sighting *seen, cons
     path->step[0] = (struct full_step){.fwd = fwd, .label = LABEL_FLUORESCENT, .dye = -1};
 }
 
+/* By no more than mirrors and clear glass. */
+static bool camera_sees_light(const struct subpath *camera)
+{
+    for (int i = 1; i < camera->count; i++)
+        if (camera->vertex[i].label != LABEL_SPECULAR)
+            return false;
+    return true;
+}
+
 static void gather_point(const struct integrator *it, struct worker *w, const struct sighting *seen)
 {
     const struct light_point *light = seen->light;
@@ -117,6 +127,8 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
             weight[i] = mis_weight(it, &path);
         film_sample_add(it->film, &w->gathered, value * weight[i], lambda_film[i], it->kappa);
         w->taken += value * weight[i];
+        if (w->trial.is_on && camera_sees_light(&w->camera))
+            w->trial.shown += value * weight[i] * roulette_color(it, lambda_film[i]);
         w->unconnected += connectable ? 0 : value * weight[i] * gather_cmf_sum(lambda_film[i]);
         path.weight = weight[i];
         if (it->observe)

@@ -352,7 +352,7 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
         if (!(value[i] > 0) || !isfinite(value[i]))
             value[i] = 0;
         else if (splat && w->trial.is_on)
-            seen += value[i] * roulette_color(it, lambda_film[i]);
+            seen += joint->s > 1 ? value[i] * roulette_color(it, lambda_film[i]) : 0;
         else if (splat) {
             film_splat(it->film, splat[0], splat[1], value[i], lambda_film[i], it->kappa);
             w->all += it->kappa * value[i] * gather_cmf_sum(lambda_film[i]);

@@ -18,17 +18,18 @@ static const double samples_before = 25;
 static const uint32_t pilot_seed = 0x70696c6f;
 static const double hopeless = 1.25; /* loss over the least so far, to try still more, which costs more */
 static const double fewest = 0.0625, most = 16;
-/* More light sub-paths make every sample dearer, and what is too rare for a few samples to see gains nothing by them. */
-static const double worth_more = 0.7;
+/* Loss, of what one light sub-path has: fewer may leave bright spots that are too rare for a look to see, and more make every sample dearer. */
+static const double worth_fewer = 0.85, worth_more = 0.7;
 
 struct look {
     double mean, loss; /* of a pixel, X+Y+Z and bins; variance × work of a sample */
 };
 
+/* But for lights that the camera sees: they are as noisy whatever is done, and so bright that they would be all that counts. */
 static double gathered(const struct integrator *it, const struct worker *w)
 {
     const double *xyz = w->gathered.xyz;
-    return xyz[0] + xyz[1] + xyz[2] + (it->film->bins ? it->kappa * w->taken : 0);
+    return xyz[0] + xyz[1] + xyz[2] + (it->film->bins ? it->kappa * w->taken : 0) - w->trial.shown;
 }
 
 static double area(const struct integrator *it)
@@ -50,13 +51,11 @@ static void choose_pixel(const struct integrator *it, int i, int pixels, int *x,
     *y = (int)((i + 0.5) / pixels * it->full[1]);
 }
 
-/* Of a sample, from two sums of BLOCK samples. A pixel that shows a lamp is as noisy whatever is done, and so bright that it would be all that
-   counts: what both blocks agree to be far above the average counts for the average. */
-static double pixel_variance(const double block[BLOCKS], double typical)
+/* Of a sample, from two sums of BLOCK samples. */
+static double pixel_variance(const double block[BLOCKS])
 {
     double difference = block[0] - block[1];
-    double sure = fmin(block[0], block[1]) / BLOCK, scale = typical > 0 ? fmax(1, sure / typical) : 1;
-    return difference * difference / (2 * BLOCK * scale * scale);
+    return difference * difference / (2 * BLOCK);
 }
 
 /* A look while it lasts: what each pixel saw, to be summed in their order whoever traced them. */
@@ -90,6 +89,7 @@ static void look_at(void *context, size_t i, int worker)
     w->trial = (struct trial){.is_on = true};
     memset(l->seen[i].block, 0, sizeof l->seen[i].block);
     for (int k = 0; k < BLOCKS * BLOCK; k++) {
+        w->trial.shown = 0;
         integrator_trace(l->it, w, x, y, pilot_seed, k);
         l->seen[i].block[k / BLOCK] += gathered(l->it, w);
     }
@@ -110,7 +110,7 @@ static bool look(struct looking *l, double light_paths, struct look *look)
     for (int i = 0; i < l->pixels; i++) {
         const double *block = l->seen[i].block;
         sum += block[0] + block[1] + l->seen[i].trial.splats;
-        squares += pixel_variance(block, it->typical) * BLOCKS * BLOCK + l->seen[i].trial.squares;
+        squares += pixel_variance(block) * BLOCKS * BLOCK + l->seen[i].trial.squares;
         work += l->seen[i].trial.work;
         met += l->seen[i].trial.met;
     }
@@ -151,7 +151,7 @@ static double choose(struct looking *l)
     if (!look(l, 1, &one))
         return best;
     least = one.loss;
-    if (climb(l, one.loss, 0.5, 1, &best, &least) && best == 1)
+    if (climb(l, one.loss, 0.5, worth_fewer, &best, &least) && best == 1)
         climb(l, one.loss, 2, worth_more, &best, &least);
     return best;
 }
