@@ -69,6 +69,7 @@ class STOKES_PT_sampling_advanced(RenderPanel, bpy.types.Panel):
 
 class STOKES_PT_mollification(RenderPanel, bpy.types.Panel):
     bl_label = "Mollification"
+    bl_options = {'DEFAULT_CLOSED'}
 
     def draw(self, context):
         settings = context.scene.stokes
