@@ -359,8 +359,6 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
         } else
             film_sample_add(it->film, &w->gathered, value[i], lambda_film[i], it->kappa);
         w->taken += splat ? 0 : value[i];
-        if (w->trial.is_on && joint->s > 1 && !splat)
-            w->trial.met += value[i] * roulette_color(it, lambda_film[i]);
     }
     w->trial.splats += seen;
     w->trial.squares += seen * seen;

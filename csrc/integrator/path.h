@@ -167,7 +167,6 @@ struct trial {
     bool is_on;             /* splats count here, and not in the film */
     double splats, squares; /* sums of them and of their squares, X+Y+Z and bins */
     double shown;           /* of lights that the camera sees, by mirrors and clear glass at most */
-    double met;             /* of what connections brought whose ends are both within */
     double work;            /* of everything, in edges traced */
 };
 

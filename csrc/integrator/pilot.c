@@ -11,13 +11,13 @@
 #include "integrator/path.h"
 #include "integrator/roulette.h"
 
-enum { STAGES = 2, LOOKS = 10, PIXELS_MIN = 16, PIXELS_MAX = 256, BLOCKS = 2, BLOCK = 4 };
+enum { STAGES = 2, LOOKS = 8, PIXELS_MIN = 16, PIXELS_MAX = 256, BLOCKS = 2, BLOCK = 4 };
 static const int stage_pixels[STAGES] = {64, PIXELS_MAX};
 /* Samples that the frame has had for each one of a stage: with the stage before, looks cost a twentieth. */
 static const double samples_before = 25;
 static const uint32_t pilot_seed = 0x70696c6f;
 static const double hopeless = 1.25; /* loss over the least so far, to try still more, which costs more */
-static const double fewest = 0.0625, most = 16;
+static const double fewest = 0.25, most = 16;
 /* Loss, of what one light sub-path has: fewer may leave bright spots that are too rare for a look to see, and more make every sample dearer. */
 static const double worth_fewer = 0.85, worth_more = 0.7;
 
@@ -102,7 +102,7 @@ static void look_at(void *context, size_t i, int worker)
 static bool look(struct looking *l, double light_paths, struct look *look)
 {
     struct integrator *it = l->it;
-    double sum = 0, squares = 0, work = 0, met = 0, samples = (double)l->pixels * BLOCKS * BLOCK;
+    double sum = 0, squares = 0, work = 0, samples = (double)l->pixels * BLOCKS * BLOCK;
     it->light_paths = light_paths;
     thread_run(it->worker_count, (size_t)l->pixels, look_at, should_stop, l);
     if (should_stop(l))
@@ -112,11 +112,7 @@ static bool look(struct looking *l, double light_paths, struct look *look)
         sum += block[0] + block[1] + l->seen[i].trial.splats;
         squares += pixel_variance(block) * BLOCKS * BLOCK + l->seen[i].trial.squares;
         work += l->seen[i].trial.work;
-        met += l->seen[i].trial.met;
     }
-    /* Not every block has a light sub-path then, which makes two of them differ. In a render all have, for they are stratified. */
-    if (light_paths * BLOCK < 1)
-        squares = fmax(0, squares - met * met / samples / light_paths);
     look->mean = sum / samples;
     look->loss = squares / samples * (work / samples);
     return true;

@@ -110,16 +110,16 @@ def test_border_equals_crop(core, scene, integrator, tmp_path):
 def test_looks_at_the_scene_change_no_bit(core, small_scene, tmp_path):
     """What `bdpt` decides by looking at the scene it decides for the same samples whatever part of them is rendered, in whatever part of the
     frame, and whoever looks."""
-    look = 500  # of 16 × 12 pixels
+    look = 400  # of 16 × 12 pixels
     same = dict(integrator="bdpt", seed=3, lanes=4, **BINS)
     said = core.run(
-        "render", small_scene, "-o", tmp_path / "said.exr", "-i", "bdpt", "--lanes", 4, "--samples", "496:504"
+        "render", small_scene, "-o", tmp_path / "said.exr", "-i", "bdpt", "--lanes", 4, "--samples", "396:404"
     ).stderr
     light_paths, begins = re.search(r"paths: (\S+) light sub-paths.*, from sample (\d+) on", said).groups()
     assert (float(light_paths) < 1, int(begins)) == (True, look), said
-    whole = core.render(small_scene, samples="496:504", threads=1, **same)
-    assert_same_bits(whole, core.render(small_scene, samples="496:504", threads=5, **same))
-    for name, samples in (("a", "496:500"), ("b", "500:504"), ("c", "496:498"), ("d", "498:502"), ("e", "502:504")):
+    whole = core.render(small_scene, samples="396:404", threads=1, **same)
+    assert_same_bits(whole, core.render(small_scene, samples="396:404", threads=5, **same))
+    for name, samples in (("a", "396:400"), ("b", "400:404"), ("c", "396:398"), ("d", "398:402"), ("e", "402:404")):
         core.render(small_scene, name=name + ".exr", keep=True, samples=samples, **same)
     for order in ("ab", "edc"):
         out = tmp_path / (order + ".exr")
@@ -127,7 +127,7 @@ def test_looks_at_the_scene_change_no_bit(core, small_scene, tmp_path):
         assert_same_bits(whole, exr.read(out))
     bordered = tmp_path / "border.stokes"
     scenes.box(bordered, resolution=(16, 12), border=[3, 2, 11, 9])
-    part = core.render(bordered, samples="496:504", **same)
+    part = core.render(bordered, samples="396:404", **same)
     assert np.array_equal(whole.sums()[:, 2:9, 3:11], part.sums())
 
 
