@@ -215,7 +215,7 @@ struct integrator {
     bool exact;         /* connections by exact.c instead of the mollified table */
     double light_paths; /* light sub-paths of a sample, on average */
     double splat_trust; /* of s = t = 1, in the weights */
-    double typical;     /* X+Y+Z (and bins) of a pixel, on average, as far as it is known; else 0 */
+    double typical;     /* X+Y+Z (and bins) of a pixel, on average, but for lights that it shows; 0 until it is known */
     int looked;         /* stages of pilot.c that there were */
     enum cuts cuts;
     int lanes;                      /* 1, 4 or 8 */
@@ -260,7 +260,8 @@ static inline double technique_rate(const struct integrator *it, int s, int t)
     return t == 1 ? it->light_paths : s >= 2 ? fmin(it->light_paths, 1) : 1;
 }
 
-/* The same in weights, which may take any factor: what a camera without a lens sees of a light at once has only the noise of its wavelengths (algorithm.md §6). */
+/* The same in weights, which may take any factor: what a camera without a lens sees of a light at once has only the noise of its
+   wavelengths (algorithm.md §6). */
 static inline double technique_trust(const struct integrator *it, int s, int t)
 {
     return technique_rate(it, s, t) * (s == 1 && t == 1 ? it->splat_trust : 1);
