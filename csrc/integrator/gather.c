@@ -6,6 +6,7 @@
 #include "integrator/relight.h"
 #include "integrator/roulette.h"
 #include "integrator/tally.h"
+#include "integrator/trial.h"
 
 enum { LAMPS_MAX = 16 };
 
@@ -89,7 +90,7 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
     const struct vertex *last = &w->camera.vertex[edges - 1], *next = last + 1;
     struct vec3 back = negate(seen->direction);
     struct strand *strand = it->exact && !next->arrival.disperses ? w->strand[SIDE_CAMERA] : NULL;
-    double density[LANES_MAX], weight[LANES_MAX], geometry = edge_geometry(last, seen);
+    double density[LANES_MAX], value[LANES_MAX], weight[LANES_MAX], geometry = edge_geometry(last, seen);
     if (!it->settings.technique[0][edges + 1] || !(geometry > 0) ||
         (light->distant && edges == 1 && it->settings.film_transparent))
         return;
@@ -113,26 +114,32 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
         tally_weigh_sighting(it, w, at, light, pdf_point, edges, geometry, seen->veil ? seen->veil->ahead : 1,
                              seen->veil ? seen->veil->back : 1, fwd, draw, weight);
     for (int i = 0; i < at->lanes; i++) {
-        double value = at->throughput[i] * scene_light_emission(it->scene, light, back, at->lambda[i]) /
-                       (strand ? density[i] * at->lanes : at->lanes);
         struct full_path path;
+        value[i] = at->throughput[i] * scene_light_emission(it->scene, light, back, at->lambda[i]) /
+                   (strand ? density[i] * at->lanes : at->lanes);
         if (seen->veil)
-            value *=
+            value[i] *=
                 crossing_transmittance(it->scene, &seen->veil->crossing, at->lambda[i]) / seen->veil->flown;
-        if (!(value > 0))
+        if (!(value[i] > 0))
             continue;
         if (it->observe || it->cuts == CUTS_CHOSEN)
             whole_path(w, seen, strand, pdf_point, geometry, fwd[i], i, &path);
         if (it->cuts == CUTS_CHOSEN)
             weight[i] = mis_weight(it, &path);
-        film_sample_add(it->film, &w->gathered, value * weight[i], lambda_film[i], it->kappa);
-        w->taken += value * weight[i];
-        if (w->trial.is_on && camera_sees_light(&w->camera))
-            w->trial.shown += value * weight[i] * roulette_color(it, lambda_film[i]);
-        w->unconnected += connectable ? 0 : value * weight[i] * gather_cmf_sum(lambda_film[i]);
+        value[i] *= weight[i];
+        film_sample_add(it->film, &w->gathered, value[i], lambda_film[i], it->kappa);
+        w->taken += value[i];
+        w->unconnected += connectable ? 0 : value[i] * gather_cmf_sum(lambda_film[i]);
         path.weight = weight[i];
         if (it->observe)
-            it->observe(it->observer, &path, value * weight[i]);
+            it->observe(it->observer, &path, value[i]);
+    }
+    double brightness;
+    int brightest = w->trial ? trial_brightest(it, at->lanes, value, lambda_film, &brightness) : -1;
+    if (brightest >= 0 && !camera_sees_light(&w->camera)) {
+        struct full_path path;
+        whole_path(w, seen, strand, pdf_point, geometry, fwd[brightest], brightest, &path);
+        trial_add(w->trial, it, &path, brightness, NULL);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "integrator/relight.h"
 #include "integrator/roulette.h"
 #include "integrator/tally.h"
+#include "integrator/trial.h"
 
 int joint_choices(const struct vertex *v, struct choice out[CHOICES_MAX])
 {
@@ -324,22 +325,39 @@ static void observe(const struct integrator *it, const struct worker *w, const s
     }
 }
 
-/* Its ends, its shadow ray and its weight, in edges traced. */
-static const double work_of_connection = 0.7;
+/* For a look: but for the light itself, seen by the camera. */
+static void learn(const struct integrator *it, struct worker *w, const struct joint *joint,
+                  const double value[LANES_MAX], const float lambda_film[LANES_MAX], const int splat[2])
+{
+    double light;
+    int brightest = trial_brightest(it, joint->lanes, value, lambda_film, &light);
+    if (brightest < 0 || joint->s + joint->t == 2)
+        return;
+    struct full_path path;
+    full_path_of_joint(it, w, joint, brightest, &path);
+    trial_add(w->trial, it, &path, light, splat);
+}
+
+/* In edges traced: its ends, its shadow ray and its weight; where sub-paths meet, their runs evaluated again, too. */
+static const double work_of_connection[TECHNIQUE_KINDS] = {
+    [BY_CAMERA] = 0.7, [BY_CONNECTIONS] = 1.3, [BY_SPLATS] = 0.7};
 
 void joint_contribute(const struct integrator *it, struct worker *w, struct joint *joint,
                       const double density[LANES_MAX], const float lambda_film[LANES_MAX], const int splat[2])
 {
     const struct joint_end *y = &joint->end[SIDE_LIGHT], *x = &joint->end[SIDE_CAMERA];
-    double value[LANES_MAX], weight[LANES_MAX], seen = 0;
-    double common = joint->owed / technique_rate(it, joint->s, joint->t) * (double)joint->geometry;
+    double value[LANES_MAX], weight[LANES_MAX];
+    double common = /* a look goes on with all (roulette.c) */
+        (w->trial ? 1 : joint->owed) / technique_rate(it, joint->s, joint->t) * (double)joint->geometry;
     for (int i = 0; i < joint->lanes; i++)
         value[i] = common * y->at->throughput[i] * y->steps.value[i] * x->steps.value[i] *
                    x->at->throughput[i] / (density ? density[i] * joint->lanes : joint->lanes);
     if (!(lanes_sum(value, joint->lanes) > 0))
         return;
     attenuate(it, joint, value);
-    w->trial.work += work_of_connection;
+    if (w->trial)
+        w->work[technique_kind(joint->s, joint->t)] +=
+            work_of_connection[technique_kind(joint->s, joint->t)] / joint->owed;
     if (!(lanes_sum(value, joint->lanes) > 0))
         return;
     joint_name_run(it, joint);
@@ -351,8 +369,8 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
         value[i] *= weight[i];
         if (!(value[i] > 0) || !isfinite(value[i]))
             value[i] = 0;
-        else if (splat && w->trial.is_on)
-            seen += joint->s > 1 ? value[i] * roulette_color(it, lambda_film[i]) : 0;
+        else if (splat && w->trial)
+            continue;
         else if (splat) {
             film_splat(it->film, splat[0], splat[1], value[i], lambda_film[i], it->kappa);
             w->all += it->kappa * value[i] * gather_cmf_sum(lambda_film[i]);
@@ -360,8 +378,8 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
             film_sample_add(it->film, &w->gathered, value[i], lambda_film[i], it->kappa);
         w->taken += splat ? 0 : value[i];
     }
-    w->trial.splats += seen;
-    w->trial.squares += seen * seen;
+    if (w->trial)
+        learn(it, w, joint, value, lambda_film, splat);
     if (it->observe)
         observe(it, w, joint, value, weight);
 }

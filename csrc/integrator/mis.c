@@ -119,14 +119,37 @@ void mis_weigh_plainly(const struct integrator *it, const struct worker *w, cons
     }
 }
 
-double mis_cut_density(const struct integrator *it, const struct full_path *path, int cut)
+static double cut_density(const struct integrator *it, const struct full_path *path,
+                          const struct chart *chart, int cut)
 {
-    struct chart chart;
-    chart_runs(path, &chart);
-    double density = link_factor(it, path, &chart, cut);
+    double density = link_factor(it, path, chart, cut);
     for (int i = 0; i <= cut - 2; i++)
         density *= path->step[i].fwd * path->step[i + 1].along;
     for (int i = cut + 1; i <= path->edges; i++)
         density *= path->step[i].rev * path->step[i].against;
     return cut > 0 ? density * path->pdf_point : density;
+}
+
+double mis_cut_density(const struct integrator *it, const struct full_path *path, int cut)
+{
+    struct chart chart;
+    chart_runs(path, &chart);
+    return cut_density(it, path, &chart, cut);
+}
+
+bool mis_shares(const struct integrator *it, const struct full_path *path, double share[TECHNIQUE_KINDS])
+{
+    struct chart chart;
+    double sum = 0;
+    chart_runs(path, &chart);
+    for (int kind = 0; kind < TECHNIQUE_KINDS; kind++)
+        share[kind] = 0;
+    for (int cut = 0; cut <= path->edges; cut++) {
+        double density = cut_density(it, path, &chart, cut);
+        share[technique_kind(cut, path->edges + 1 - cut)] += density;
+        sum += density;
+    }
+    for (int kind = 0; kind < TECHNIQUE_KINDS; kind++)
+        share[kind] /= sum;
+    return sum > 0;
 }

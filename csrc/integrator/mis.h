@@ -46,6 +46,9 @@ double mis_weight(const struct integrator *, const struct full_path *);
 void mis_weigh_plainly(const struct integrator *, const struct worker *, const struct joint *,
                        double weight[LANES_MAX]);
 
+/* How much of the sum of all densities each kind of technique has. False if there is none. */
+bool mis_shares(const struct integrator *, const struct full_path *, double share[TECHNIQUE_KINDS]);
+
 /* Density of one cut over a factor common to all of them. */
 double mis_cut_density(const struct integrator *, const struct full_path *, int cut);
 

@@ -153,7 +153,7 @@ static void extend(const struct integrator *it, struct worker *w, enum side side
         if (!fly(it, w, side, f, next) || !arrive(it, side, prev, next, f->ray.direction, f->passed))
             return;
         path->count++;
-        w->trial.work++;
+        w->work[side == SIDE_CAMERA ? BY_CAMERA : w->copying ? BY_CONNECTIONS : BY_SPLATS]++;
     }
 }
 

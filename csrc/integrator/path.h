@@ -162,13 +162,10 @@ struct strand; /* relight.h */
 struct sight;  /* joint.h */
 struct haze;   /* joint.h */
 
-/* A worker's samples before the render (pilot.c). */
-struct trial {
-    bool is_on;             /* splats count here, and not in the film */
-    double splats, squares; /* sums of them and of their squares, X+Y+Z and bins */
-    double shown;           /* of lights that the camera sees, by mirrors and clear glass at most */
-    double work;            /* of everything, in edges traced */
-};
+/* Who makes a path: s ≤ 1 with t ≥ 2 takes no light sub-path, the others take one, connected or seen (algorithm.md §15). */
+enum technique_kind { BY_CAMERA, BY_CONNECTIONS, BY_SPLATS, TECHNIQUE_KINDS };
+
+struct trial; /* trial.h */
 
 /* One worker's memory and the state of the path that it traces. */
 struct worker {
@@ -190,7 +187,8 @@ struct worker {
     struct sight *sight;          /* PATH_VERTICES²: edges between the two sub-paths, once looked at */
     struct haze *haze;            /* of those edges; NULL without volumes */
     uint32_t stamp;               /* of the sights that belong to this sample */
-    struct trial trial;
+    double work[TECHNIQUE_KINDS]; /* so far, in edges traced */
+    struct trial *trial;          /* during a look (pilot.c), which learns what the film is not told; NULL otherwise */
 };
 
 struct full_path; /* mis.h */
@@ -251,6 +249,11 @@ static inline float vertex_cosine(const struct vertex *v, struct vec3 direction)
     case VERTEX_SURFACE: return v->in_volume ? 1 : fabsf(dot(v->hit.ng, direction));
     }
     return 0;
+}
+
+static inline enum technique_kind technique_kind(int s, int t)
+{
+    return t == 1 ? BY_SPLATS : s >= 2 ? BY_CONNECTIONS : BY_CAMERA;
 }
 
 /* How many of a technique a sample has on average: all light sub-paths are seen by the camera, but only the first is connected to its

@@ -1,62 +1,22 @@
 /* What a render learns by looks at the scene, once it is large enough to pay for them: how many light sub-paths a sample should have, and how bright a pixel
-   is (algorithm.md §15).
+   is (algorithm.md §15). A look has one light sub-path a sample; what others would have of variance and of work is reckoned from it. */
+#include "integrator/pilot.h"
 
-   Each number is tried on the same pixels with the same random numbers, so that what is rare is as rare for all of them, and only what it
-   weighs differs. What is compared is the variance of a pixel times the work of a sample. */
 #include <limits.h>
-#include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/thread.h"
-#include "integrator/path.h"
-#include "integrator/roulette.h"
 
-enum { STAGES = 2, LOOKS = 8, PIXELS_MIN = 16, PIXELS_MAX = 256, BLOCKS = 2, BLOCK = 4 };
-static const int stage_pixels[STAGES] = {64, PIXELS_MAX};
+enum { STAGES = 2, LOOKS = 2, PIXELS_MIN = 16, SAMPLES = 8 };
+static const int stage_pixels[STAGES] = {256, 4096};
 /* Samples that the frame has had for each one of a stage: with the stage before, looks cost a twentieth. */
-static const double samples_before = 25;
+static const double samples_before = 30;
 static const uint32_t pilot_seed = 0x70696c6f;
-static const double hopeless = 1.25; /* loss over the least so far, to try still more, which costs more */
-static const double fewest = 0.25, most = 16;
-/* Loss, of what one light sub-path has: fewer may leave bright spots that are too rare for a look to see, and more make every sample dearer. */
-static const double worth_fewer = 0.85, worth_more = 0.7;
+/* Of the loss, variance × work, with one light sub-path: less is not worth what a look may have missed. */
+static const double worth = 0.85;
 
-struct look {
-    double mean, loss; /* of a pixel, X+Y+Z and bins; variance × work of a sample */
-};
-
-/* But for lights that the camera sees: they are as noisy whatever is done, and so bright that they would be all that counts. */
-static double gathered(const struct integrator *it, const struct worker *w)
-{
-    const double *xyz = w->gathered.xyz;
-    return xyz[0] + xyz[1] + xyz[2] + (it->film->bins ? it->kappa * w->taken : 0) - w->trial.shown;
-}
-
-static double area(const struct integrator *it)
-{
-    return (double)it->full[0] * it->full[1];
-}
-
-static int count_pixels(const struct integrator *it, int stage)
-{
-    return (int)fmin(fmax(PIXELS_MIN, area(it) / 4), stage_pixels[stage]);
-}
-
-/* The i-th of some pixels all over the frame: a golden ratio's lattice. */
-static void choose_pixel(const struct integrator *it, int i, int pixels, int *x, int *y)
-{
-    const double golden = 0.6180339887498949;
-    double turn = golden * i;
-    *x = (int)((turn - floor(turn)) * it->full[0]);
-    *y = (int)((i + 0.5) / pixels * it->full[1]);
-}
-
-/* Of a sample, from two sums of BLOCK samples. */
-static double pixel_variance(const double block[BLOCKS])
-{
-    double difference = block[0] - block[1];
-    return difference * difference / (2 * BLOCK);
-}
+/* --- One look -------------------------------------------------------------------------------------------------------- */
 
 /* A look while it lasts: what each pixel saw, to be summed in their order whoever traced them. */
 struct looking {
@@ -65,11 +25,19 @@ struct looking {
     void *user;
     atomic_bool stopped;
     int pixels;
-    struct {
-        double block[BLOCKS];
-        struct trial trial;
-    } seen[PIXELS_MAX];
+    struct overview overview;
+    bool weighs; /* struct trial's */
+    struct look *seen;
 };
+
+/* The i-th of some pixels all over the frame: a golden ratio's lattice. */
+static void choose_pixel(const struct integrator *it, int i, int pixels, int pixel[2])
+{
+    const double golden = 0.6180339887498949;
+    double turn = golden * i;
+    pixel[0] = (int)((turn - floor(turn)) * it->full[0]);
+    pixel[1] = (int)((i + 0.5) / pixels * it->full[1]);
+}
 
 static bool should_stop(void *context)
 {
@@ -83,81 +51,102 @@ static void look_at(void *context, size_t i, int worker)
 {
     struct looking *l = context;
     struct worker *w = &l->it->worker[worker];
+    struct trial trial = {.overview = &l->overview, .weighs = l->weighs};
     double unconnected = w->unconnected;
-    int x, y;
-    choose_pixel(l->it, (int)i, l->pixels, &x, &y);
-    w->trial = (struct trial){.is_on = true};
-    memset(l->seen[i].block, 0, sizeof l->seen[i].block);
-    for (int k = 0; k < BLOCKS * BLOCK; k++) {
-        w->trial.shown = 0;
-        integrator_trace(l->it, w, x, y, pilot_seed, k);
-        l->seen[i].block[k / BLOCK] += gathered(l->it, w);
+    choose_pixel(l->it, (int)i, l->pixels, trial.pixel);
+    w->trial = &trial;
+    memset(w->work, 0, sizeof w->work);
+    for (int k = 0; k < SAMPLES; k++) {
+        integrator_trace(l->it, w, trial.pixel[0], trial.pixel[1], pilot_seed, k);
+        trial_end_sample(&trial);
     }
-    l->seen[i].trial = w->trial;
-    w->trial = (struct trial){0};
+    w->trial = NULL;
     w->unconnected = unconnected;
+    trial_end_pixel(&trial, SAMPLES, l->seen[i].variance);
+    memcpy(l->seen[i].work, w->work, sizeof w->work);
 }
 
 /* False if it was stopped. */
-static bool look(struct looking *l, double light_paths, struct look *look)
+static bool look_once(struct looking *l)
 {
-    struct integrator *it = l->it;
-    double sum = 0, squares = 0, work = 0, samples = (double)l->pixels * BLOCKS * BLOCK;
-    it->light_paths = light_paths;
-    thread_run(it->worker_count, (size_t)l->pixels, look_at, should_stop, l);
-    if (should_stop(l))
-        return false;
+    thread_run(l->it->worker_count, (size_t)l->pixels, look_at, should_stop, l);
+    return !should_stop(l);
+}
+
+static void sum_up(const struct looking *l, struct look *sum)
+{
+    double samples = (double)l->pixels * SAMPLES;
+    *sum = (struct look){0};
     for (int i = 0; i < l->pixels; i++) {
-        const double *block = l->seen[i].block;
-        sum += block[0] + block[1] + l->seen[i].trial.splats;
-        squares += pixel_variance(block) * BLOCKS * BLOCK + l->seen[i].trial.squares;
-        work += l->seen[i].trial.work;
+        for (int kind = 0; kind < TECHNIQUE_KINDS; kind++)
+            sum->work[kind] += l->seen[i].work[kind] / samples;
+        for (int k = 0; k < NUMBERS; k++)
+            sum->variance[k] += l->seen[i].variance[k] / samples;
     }
-    look->mean = sum / samples;
-    look->loss = squares / samples * (work / samples);
-    return true;
 }
 
-/* Goes from one light sub-path by factors as far as that pays; `best` beats `worth` of what one has. */
-static bool climb(struct looking *l, double one, double factor, double worth, double *best, double *least)
+bool pilot_look(struct integrator *it, int pixels, bool (*stop)(void *), void *user, struct look *look)
 {
-    struct look other;
-    for (double light_paths = factor; light_paths >= fewest && light_paths <= most; light_paths *= factor) {
-        if (!look(l, light_paths, &other))
-            return false;
-        if (other.loss < *least && other.loss < worth * one) {
-            *least = other.loss;
-            *best = light_paths;
-        }
-        if (factor > 1 && other.loss > hopeless * *least)
-            break;
+    struct looking l = {.it = it, .stop = stop, .user = user, .pixels = pixels};
+    /* Of the whole frame, so that a part of it is rendered as the whole is. */
+    int border[4], frame[4] = {0, 0, it->full[0], it->full[1]};
+    l.seen = calloc((size_t)pixels, sizeof *l.seen);
+    if (!l.seen)
+        return false;
+    memcpy(border, it->border, sizeof border);
+    memcpy(it->border, frame, sizeof frame);
+    overview_begin(&l.overview, it->full);
+    it->light_paths = 1;
+    it->typical = 0;
+    /* Twice: the first look tells what is typical, here and there. */
+    bool done = look_once(&l);
+    if (done) {
+        it->typical = overview_settle(&l.overview, (double)pixels * SAMPLES);
+        l.weighs = true;
+        done = look_once(&l);
     }
-    return true;
+    if (done)
+        sum_up(&l, look);
+    memcpy(it->border, border, sizeof border);
+    free(l.seen);
+    return done;
 }
 
-/* The number of light sub-paths with the least variance × work. With less of it on one side of 1 there is none to be had on the other. */
-static double choose(struct looking *l)
+/* --- What follows from it -------------------------------------------------------------------------------------------- */
+
+static double loss(const struct look *look, int k)
 {
-    struct look one;
-    double best = 1, least;
-    /* Twice: the first look tells what is typical. */
-    if (!look(l, 1, &one))
-        return best;
-    l->it->typical = one.mean;
-    if (!look(l, 1, &one))
-        return best;
-    least = one.loss;
-    if (climb(l, one.loss, 0.5, worth_fewer, &best, &least) && best == 1)
-        climb(l, one.loss, 2, worth_more, &best, &least);
-    return best;
+    double n = trial_number(k),
+           work = look->work[BY_CAMERA] + fmin(n, 1) * look->work[BY_CONNECTIONS] + n * look->work[BY_SPLATS];
+    return fmax(look->variance[k], 0) * work;
+}
+
+/* The number of light sub-paths with the least loss, if it is worth it. */
+static double choose(const struct look *look)
+{
+    int best = NUMBER_ONE;
+    for (int k = 0; k < NUMBERS; k++)
+        if (loss(look, k) < fmin(loss(look, best), worth * loss(look, NUMBER_ONE)))
+            best = k;
+    return trial_number(best);
 }
 
 /* --- When ------------------------------------------------------------------------------------------------------------ */
 
+static double area(const struct integrator *it)
+{
+    return (double)it->full[0] * it->full[1];
+}
+
+static int count_pixels(const struct integrator *it, int stage)
+{
+    return (int)fmin(fmax(PIXELS_MIN, area(it) / 4), stage_pixels[stage]);
+}
+
 /* The sample before which a stage comes. Never the first, so that there is a picture at once. */
 static int stage_begins(const struct integrator *it, int stage)
 {
-    double samples = (double)LOOKS * BLOCKS * BLOCK * count_pixels(it, stage);
+    double samples = (double)LOOKS * SAMPLES * count_pixels(it, stage);
     bool chooses = it->exact && !(it->settings.light_paths > 0) && it->traces_light && it->traces_camera;
     return chooses ? (int)fmax(1, ceil(samples_before * samples / area(it))) : INT_MAX;
 }
@@ -173,21 +162,15 @@ int integrator_next_look(const struct integrator *it, int sample)
 
 void integrator_look(struct integrator *it, int sample, bool (*stop)(void *), void *user)
 {
-    struct looking l = {.it = it, .stop = stop, .user = user};
+    struct look look;
     int stages = 0;
     while (stages < STAGES && stage_begins(it, stages) <= sample)
         stages++;
     if (it->looked >= stages)
         return;
     it->looked = stages;
-    l.pixels = count_pixels(it, stages - 1);
-    /* Of the whole frame, so that a part of it is rendered as the whole is. */
-    int border[4], frame[4] = {0, 0, it->full[0], it->full[1]};
-    memcpy(border, it->border, sizeof border);
-    memcpy(it->border, frame, sizeof frame);
-    it->typical = 0;
-    it->light_paths = choose(&l);
-    memcpy(it->border, border, sizeof border);
+    if (pilot_look(it, count_pixels(it, stages - 1), stop, user, &look))
+        it->light_paths = choose(&look);
 }
 
 double integrator_light_paths(const struct integrator *it, int *from)

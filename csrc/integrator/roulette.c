@@ -14,6 +14,8 @@ double roulette(const struct integrator *it, struct worker *w, double estimate)
     if (!(estimate < enough))
         return 1;
     double chance = fmax(chance_min, estimate / enough);
+    if (w->trial) /* a look counts the work that is saved, but no noise */
+        return 1 / chance;
     return (double)random_at(w->random, DIM_ROULETTE + w->spins++) < chance ? 1 / chance : 0;
 }
 
