@@ -325,23 +325,6 @@ static void observe(const struct integrator *it, const struct worker *w, const s
     }
 }
 
-/* For a look: but for the light itself, seen by the camera. */
-static void learn(const struct integrator *it, struct worker *w, const struct joint *joint,
-                  const double value[LANES_MAX], const float lambda_film[LANES_MAX], const int splat[2])
-{
-    double light;
-    int brightest = trial_brightest(it, joint->lanes, value, lambda_film, &light);
-    if (brightest < 0 || joint->s + joint->t == 2)
-        return;
-    struct full_path path;
-    full_path_of_joint(it, w, joint, brightest, &path);
-    trial_add(w->trial, it, &path, light, splat);
-}
-
-/* In edges traced: its ends, its shadow ray and its weight; where sub-paths meet, their runs evaluated again, too. */
-static const double work_of_connection[TECHNIQUE_KINDS] = {
-    [BY_CAMERA] = 0.7, [BY_CONNECTIONS] = 1.3, [BY_SPLATS] = 0.7};
-
 void joint_contribute(const struct integrator *it, struct worker *w, struct joint *joint,
                       const double density[LANES_MAX], const float lambda_film[LANES_MAX], const int splat[2])
 {
@@ -356,8 +339,7 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
         return;
     attenuate(it, joint, value);
     if (w->trial)
-        w->work[technique_kind(joint->s, joint->t)] +=
-            work_of_connection[technique_kind(joint->s, joint->t)] / joint->owed;
+        trial_count(w, joint);
     if (!(lanes_sum(value, joint->lanes) > 0))
         return;
     joint_name_run(it, joint);
@@ -379,7 +361,7 @@ void joint_contribute(const struct integrator *it, struct worker *w, struct join
         w->taken += splat ? 0 : value[i];
     }
     if (w->trial)
-        learn(it, w, joint, value, lambda_film, splat);
+        trial_add_joint(it, w, joint, value, lambda_film, splat);
     if (it->observe)
         observe(it, w, joint, value, weight);
 }

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "integrator/joint.h"
 #include "integrator/roulette.h"
 
 /* --- The overview -------------------------------------------------------------------------------------------- */
@@ -98,6 +99,27 @@ void trial_add(struct trial *trial, const struct integrator *it, const struct fu
         if (kind != BY_SPLATS)
             sums_add(kind == BY_CAMERA ? &trial->camera : &trial->connected, k, then);
     }
+}
+
+void trial_add_joint(const struct integrator *it, const struct worker *w, const struct joint *joint,
+                     const double value[], const float lambda_film[], const int splat[2])
+{
+    double light;
+    int brightest = trial_brightest(it, joint->lanes, value, lambda_film, &light);
+    if (brightest < 0 || joint->s + joint->t == 2)
+        return;
+    struct full_path path;
+    full_path_of_joint(it, w, joint, brightest, &path);
+    trial_add(w->trial, it, &path, light, splat);
+}
+
+void trial_count(struct worker *w, const struct joint *joint)
+{
+    /* In edges traced: its ends, its shadow ray and its weight; where sub-paths meet, their runs evaluated again, too. */
+    static const double work[TECHNIQUE_KINDS] = {
+        [BY_CAMERA] = 0.7, [BY_CONNECTIONS] = 1.3, [BY_SPLATS] = 0.7};
+    enum technique_kind kind = technique_kind(joint->s, joint->t);
+    w->work[kind] += work[kind] / joint->owed;
 }
 
 /* Contributions by s ≥ 2 come all at once, in so many of the samples. */

@@ -46,6 +46,13 @@ int trial_brightest(const struct integrator *, int lanes, const double value[], 
    is. */
 void trial_add(struct trial *, const struct integrator *, const struct full_path *brightest, double light,
                const int splat[2]);
+/* The same of a connection of worker->trial's samples, from its weighted values; but for the light itself, seen by the camera. */
+struct joint;
+void trial_add_joint(const struct integrator *, const struct worker *, const struct joint *,
+                     const double value[], const float lambda_film[], const int splat[2]);
+/* Its work, as much of it as roulette leaves. */
+void trial_count(struct worker *, const struct joint *);
+
 /* After each sample. */
 void trial_end_sample(struct trial *);
 /* Of one sample, times their number; deviations by the overview's scale. */

@@ -132,7 +132,6 @@ class Result:
 
 def measure_scene(name, found, size, folder, progress):
     resolution, reference_samples, seeds, samples = size
-    seeds *= SEEDS.get(name, 1)
     scene = bench_scenes.write(name, folder / "scenes", resolution)
     progress("reference")
     reference = Reference(scene, reference_samples, folder / "reference")
@@ -234,18 +233,19 @@ def main():
     parser.add_argument("--scenes", nargs="+", default=list(bench_scenes.FIVE), choices=list(bench_scenes.TITLES))
     parser.add_argument("--lanes", nargs="+", type=int, default=[1, 4, 8])
     options = parser.parse_args()
-    size = SIZES[kit.QUICK]
     found = methods(options.lanes)
     lanes = "" if kit.has_option("lanes") else "\nThis core has no `--lanes`: every path has one wavelength.\n"
     lines, done = (HEAD % lanes).split("\n"), {}
     for name in options.scenes:
+        resolution, reference, seeds, samples = SIZES[kit.QUICK]
+        size = resolution, reference, seeds * SEEDS.get(name, 1), samples
         done[name] = measure_scene(name, found, size, options.output, lambda text: kit.say("%s: %s" % (name, text)))
         lines += table(name, *done[name])
         kit.say("\n".join(table(name, *done[name])))
         (options.output / "exact.md").write_text("\n".join(lines), encoding="utf-8")
     import bench_plots
 
-    bench_plots.error_over_time(done, size, options.output / "exact-error.png")
+    bench_plots.error_over_time(done, SIZES[kit.QUICK], options.output / "exact-error.png")
     bench_plots.side_by_side(done, options.output / "exact-pictures.png")
     kit.say("wrote", *sorted(str(path) for path in options.output.glob("exact*")))
 
