@@ -22,11 +22,12 @@ COLUMNS = {  # what is written above, and how it is rendered
 FRAME_MS, LAST_MS = 900, 2700
 
 
-def snapshots(scene):
+def snapshots(name, scene):
     """Of each column, its pictures at 1, 2, 4, … samples."""
     counts = [2**k for k in range(SAMPLES.bit_length())]
     shown = {}
     for title, options in COLUMNS.items():
+        kit.say("  %s: %s" % (name, title.replace("$", "")))
         out = plots.WORK / "convergence.exr"
         kit.render(scene, out, snapshots=True, spp=SAMPLES, **options)
         shown[title] = [kit.read_xyz(kit.snapshot(out, count)) for count in counts]
@@ -44,7 +45,7 @@ def frame(path, title, shown, index, gain):
 
 
 def animate(name):
-    counts, shown = snapshots(bench_scenes.write(name, plots.WORK, RESOLUTION))
+    counts, shown = snapshots(name, bench_scenes.write(name, plots.WORK, RESOLUTION))
     folder = plots.FOLDER / "convergence"
     folder.mkdir(parents=True, exist_ok=True)
     gain = colour.exposure(shown["bdpt"][-1], 95)

@@ -34,7 +34,9 @@ def draw():
     found = benchmark.methods([1], KERNELS)
     done, lines = {}, ["# Integrators at equal time", *(benchmark.HEAD % "").split("\n")[1:]]
     for name in SCENES:
-        done[name] = benchmark.measure_scene(name, found, SIZE, plots.WORK, lambda text: None)
+        done[name] = benchmark.measure_scene(
+            name, found, SIZE, plots.WORK, lambda text: kit.say("  %s: %s" % (name, text))
+        )
         lines += benchmark.table(name, *done[name]) + against_unidirectional(*done[name])
     (plots.FOLDER / "equal-time.md").write_text("\n".join(lines), encoding="utf-8")
     bench_plots.error_over_time(done, SIZE, plots.FOLDER / "equal-time-error.png")
