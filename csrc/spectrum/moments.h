@@ -4,7 +4,9 @@
    Wavelengths become phases φ = π (λ − min)/(max − min) in 0 … π, the signal is mirrored to −π … 0, and its moments are
    c_l = 1/π ∫₀^π g(φ) cos(lφ) dφ. Of all signals within [0, 1] with these moments the bounded maximum entropy spectral estimate is
    g(φ) = 1/2 + 1/π atan(t_0 + Σ t_l cos(lφ)): smooth, and within [0, 1] whatever the moments.
-   Integrals: a spectrum compiled from it is linear between whole nanometres, and its cumulative table is exact for that. */
+   Integrals: a spectrum compiled from it is linear between whole nanometres, and its cumulative table is exact for that; values, densities
+   and draws come from the same table and agree. The curve's own integral, within 0.02 nm of it for random reflectances (test_moments.c), has
+   a closed form, dilogarithms at the roots of a polynomial, at many times the cost. */
 #ifndef SPECTRUM_MOMENTS_H
 #define SPECTRUM_MOMENTS_H
 
