@@ -7,6 +7,7 @@ import signal
 import struct
 import subprocess
 
+import exr
 import frames
 import pytest
 from process import SECONDS, STOKES, run
@@ -25,9 +26,9 @@ def render(folder, data, *arguments):
     return result.returncode, result.stderr.decode(), out.exists()
 
 
-def refused(folder, data, *words):
+def refused(folder, data, *words, arguments=()):
     """The scene must fail with one line that holds the words, and write nothing."""
-    status, said, written = render(folder, data)
+    status, said, written = render(folder, data, *arguments)
     assert status == 1 and not written, (status, said)
     lines = said.splitlines()
     assert len(lines) == 1 and lines[0].startswith("stokes: "), said
@@ -506,3 +507,34 @@ def test_wrong_usage_is_one_line_and_status_2(tmp_path):
         result = run(command, "--help")
         assert result.returncode == 0 and b"Usage: stokes " + command.encode() in result.stdout
     assert b"Usage" in run("--help").stdout
+
+
+# --- One wavelength for both sub-paths -------------------------------------------------------------
+
+DYE = {"bsdf": "fluorescent", "reflectance": 0.5, "absorption": 0.5, "emission": 1, "yield": 0.5}
+SAYS = ["settings: shared_wavelength: is for mbdpt, one lane, one light path", "without fluorescence"]
+
+
+@pytest.mark.parametrize(
+    "more, arguments",
+    [
+        ([], ["--integrator", "bdpt"]),
+        ([], ["--integrator", "mbdpt", "--lanes", "4"]),
+        ([], ["--integrator", "mbdpt", "--light-paths", "2"]),
+        ([frames.material(DYE)], ["--integrator", "mbdpt"]),
+    ],
+    ids=["exact", "lanes", "light paths", "fluorescence"],
+)
+def test_a_shared_wavelength_is_refused_where_it_would_be_wrong(tmp_path, more, arguments):
+    refused(tmp_path, frames.scene(*more), *SAYS, arguments=[*arguments, "--shared-wavelength"])
+    assert render(tmp_path, frames.scene(*more), *arguments) == (0, "", True)  # it is the flag that was refused
+
+
+def test_a_shared_wavelength_is_taken_where_it_is_right(tmp_path):
+    """Light from lights to the lens: the one technique of this scene whose sub-paths both have a wavelength of their own."""
+    data, pixels = frames.scene(techniques=[[2, 1]]), []
+    for arguments in ([], ["--shared-wavelength"]):
+        assert render(tmp_path, data, "--integrator", "mbdpt", *arguments) == (0, "", True)
+        pixels.append(exr.read(tmp_path / "out.exr").sums())
+        (tmp_path / "out.exr").unlink()
+    assert pixels[0].any() and pixels[1].any() and (pixels[0] != pixels[1]).any()
