@@ -298,6 +298,20 @@ tell([[prop.identifier for prop in settings if prop.identifier not in shown],
     assert panels >= 6 and missing == [] and without == []
 
 
+def test_kernels_that_can_break_a_balance_say_which(tmp_path):
+    """Eq. 6 of the supplemental and §2.2: energy with the whole diagonal or a box in both wavelengths, photons with a shift."""
+    tips = host_named("3.4").run("""
+scene = empty_scene()
+items = scene.stokes.bl_rna.properties["kernel"].enum_items
+tell({item.identifier: item.description for item in items})
+""", tmp_path)
+    can_make = {kernel: tip.partition("Can make ")[2] for kernel, tip in tips.items()}
+    assert can_make["incident"].startswith("energy") and can_make["box"].startswith("energy")
+    assert can_make["asymmetric"].startswith("photons")
+    assert not can_make["constant"] and not can_make["incident_reflectance"]
+    assert min(map(len, tips.values())) >= 10, tips
+
+
 def test_the_add_menu_shows_what_blender_3_4_hides_from_other_engines(tmp_path):
     offered = host_named("3.4").run(LAYOUT + """
 from addon.ui import node_editor
