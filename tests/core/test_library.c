@@ -95,23 +95,39 @@ static void reflectances_hold_and_dyes_end_outside_their_range(void **state)
     assert_float_equal(value("illuminant/F2", 379), 0, 0);
 }
 
-/* Where each dye absorbs and emits most, by common knowledge of its use, within 5 nm. */
+/* Where each dye absorbs and emits most: the stains and proteins as their makers print it, GFP after R. Y. Tsien (Annu.
+   Rev. Biochem. 67, 509, 1998); the laser dyes of the scene with spheres as the literature and dealers of laser dyes
+   have them in that solvent or one like it, which differ by several nm. Coumarin 6: 2.713 eV in ethanol, 2.460 eV in
+   methanol (Sci. Rep. 8, 2018, article 34813). */
 static void dyes_peak_where_they_are_known_to(void **state)
 {
     (void)state;
     static const struct {
         const char *name;
-        float peak_nm;
-    } known[] = {{"dye/egfp/absorption", 488},    {"dye/egfp/emission", 507},
-                 {"dye/texas-red/emission", 615}, {"dye/dapi_dna/absorption", 358},
-                 {"dye/dapi_dna/emission", 461},  {"dye/cy3/absorption", 550}};
+        float peak_nm, off_nm;
+    } known[] = {{"dye/egfp/absorption", 488, 5},
+                 {"dye/egfp/emission", 507, 5},
+                 {"dye/wild-type-gfp/absorption", 396, 5},
+                 {"dye/wild-type-gfp/emission", 508, 5},
+                 {"dye/texas-red/emission", 615, 5},
+                 {"dye/dapi_dna/absorption", 358, 5},
+                 {"dye/dapi_dna/emission", 461, 5},
+                 {"dye/cy3/absorption", 550, 5},
+                 {"dye/coumarin-30_acetonitrile/absorption", 407, 10},
+                 {"dye/coumarin-30_acetonitrile/emission", 482, 10},
+                 {"dye/coumarin-6_ethanol/absorption", 457, 10},
+                 {"dye/coumarin-6_ethanol/emission", 504, 10},
+                 {"dye/dcm_ethanol/absorption", 468, 10},
+                 {"dye/dcm_ethanol/emission", 627, 10}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         struct spectrum *s = entry(known[i].name);
         float peak = 300;
         for (float l = 300; l <= 830; l++)
             if (spectrum_eval(s, l) > spectrum_eval(s, peak))
                 peak = l;
-        assert_float_equal(peak, known[i].peak_nm, 5);
+        if (fabsf(peak - known[i].peak_nm) > known[i].off_nm)
+            print_message("%s peaks at %g nm\n", known[i].name, peak);
+        assert_float_equal(peak, known[i].peak_nm, known[i].off_nm);
         spectrum_destroy(s);
     }
 }
