@@ -84,6 +84,32 @@ def test_the_ufo_scene_is_full_of_the_medium_that_is_shown(host, tmp_path):
     assert sent["Coral"]["volume"] is None and sent["Medium"]["surface"]["bsdf"] == "transparent"
 
 
+SIDES = {"Floor": (2, 0), "Ceiling": (2, 2), "Left": (0, -1), "Right": (0, 1), "Back": (1, 1)}  # wall: axis and place on it
+
+
+@pytest.mark.parametrize("walls, coloured", [
+    ("all", set(SIDES)), ("others", {"Floor", "Ceiling", "Left", "Right"}), ("back", {"Back"})])
+@pytest.mark.parametrize("host", ["3.4"], indirect=True)
+def test_each_box_of_the_colour_bias_tests_has_its_colour_where_figure_8_says(host, tmp_path, walls, coloured):
+    """§4.4: on all walls (a), on all but a grey back wall (b), on the back wall alone (c); and each wall is where its name
+    says, as the stream's vertices have it."""
+    subprocess.run(
+        [*host.command, str(ROOT / "test_scenes" / "bias.py"), "--", "--output", str(tmp_path), "--resolution", "8", "6",
+         "--samples", "1", "--walls", walls],
+        env=dict(os.environ, STOKES_CORE=str(CORE)), timeout=100, check=True, cwd=tmp_path, stdout=subprocess.DEVNULL)
+    sent = list(stream.read(tmp_path / ("bias-green-%s.stokes" % walls)))
+    rgb = {members["name"]: members["surface"]["reflectance"]["rgb"] for message, members, _ in sent
+           if message == "material"}
+    shown = {members["name"]: rgb[members["materials"][0]] for message, members, _ in sent if message == "instances"}
+    assert shown == {side: pytest.approx([0.05, 0.8, 0.15] if side in coloured else [0.2] * 3) for side in SIDES}
+    for message, members, blobs in sent:
+        if message == "mesh":
+            place = members["positions"]
+            points = np.frombuffer(blobs[place["at"]:place["at"] + place["bytes"]], np.float32).reshape(-1, 3)
+            axis, at = SIDES[members["name"]]
+            assert points[:, axis] == pytest.approx(at) and (np.ptp(points, axis=0) > 1.9).sum() == 2
+
+
 def assert_same_picture(shown, scene, out):
     """What came through Blender, which stores halves, is what `stokes render` makes of the recorded stream."""
     subprocess.run([CORE, "render", scene, "-o", out, "-q"], check=True, timeout=100)
