@@ -124,85 +124,136 @@ static void the_levels_are_those_of_the_equations(void **state)
     }
 }
 
-/* Strengths, cdfs and densities against sums at small steps; wavelengths near the ends of Λ among them. */
+/* What becomes of a reflectance by a texture: of Lambert's law, with or without a dye. */
+static struct material *texturable_material(struct kit_random *r, int i)
+{
+    struct closure *c = kit_random_bsdf(r, bsdf_kind_find(i % 2 ? "fluorescent" : "diffuse"), 0);
+    kit_set_roughness(c, 0);
+    return kit_compile(c);
+}
+
+/* Its colours are curves as a texel's are (shade.c), which have no table, so that integrals are by quadrature. Every third colour is as
+   saturated, and its curve as steep, as they come. */
+static struct surface textured_surface(struct kit_random *r, const struct material *m, int i)
+{
+    const float low = i % 3 ? 0.05f : 0.005f, high = i % 3 ? 0.95f : 0.98f;
+    float rgb[3] = {low, low, low};
+    struct surface s = kit_surface(m, UP, UP);
+    rgb[i / 3 % 3] = high;
+    for (int c = 0; c < 3 && i % 3; c++)
+        rgb[c] = kit_between(r, low, high);
+    for (int lobe = 0; lobe < s.lobe_count; lobe++)
+        if (s.lobe[lobe].kind->nature == LOBE_FINITE)
+            s.lobe[lobe].color[0] =
+                (struct spectral_value){.form = SPECTRAL_CURVE,
+                                        .uv_rule = UV_HOLD,
+                                        .scale = 1,
+                                        .curve = rgb_curve_fit(&m->context.working_space, rgb, NULL)};
+    return s;
+}
+
+/* Strengths, cdfs and densities against sums at small steps. `share` of the strength is what quadrature may err by. */
+static void check_integrals(const struct surface *s, enum kernel kernel, enum side side, float from, float d,
+                            double share)
+{
+    enum { STEPS = 8000 };
+    double all = mollified_strength(s, kernel, side, UP, from, d), sum = 0, outside = 0;
+    double low = from - 2 * d - 1, width = (4 * d + 2) / STEPS;
+    /* A sum over steps misses at most one at each edge, of a level of at most 1. */
+    double tolerance = share * all + 1e-6 + width / d;
+    for (int n = 0; n < STEPS; n++) {
+        double to = low + (n + 0.5) * width;
+        double value = of(s, kernel, side, from, to, d) * width;
+        bool inside = to >= 300 && to <= 830;
+        sum += inside ? value : 0;
+        outside += inside ? 0 : value;
+        if (!inside)
+            continue;
+        float pdf = mollified_pdf(s, kernel, side, UP, from, (float)to, d);
+        assert_float_equal(pdf * all * width, value, 1e-4 * value + 1e-9);
+        if (n % 800 == 0)
+            assert_float_equal(mollified_cdf(s, kernel, side, UP, from, (float)(to + 0.5 * width), d) * all,
+                               sum, tolerance);
+    }
+    /* What lies outside of Λ is not always known: beyond it nothing is reflected. It belongs to the strength, and is lost. */
+    assert_float_equal(sum + outside, all, tolerance);
+    assert_float_equal(mollified_cdf(s, kernel, side, UP, from, 900, d) * all, sum, tolerance);
+}
+
+/* Wavelengths near the ends of Λ among them. */
 static void integrals_in_constant_time_are_those_of_brute_force(void **state)
 {
     (void)state;
-    enum { STEPS = 8000 };
     struct kit_random r = seeded(63);
     for (int i = 0; i < 30; i++) {
         struct material *m = exact_material(&r, i);
         struct surface s = kit_surface(m, UP, UP);
         float d = kit_between(&r, 3, 90), from = i % 3 ? kit_between(&r, 301, 829) : i % 2 ? 305 : 822;
         for (int k = 0; k < KERNEL_COUNT; k++)
-            for (int side = 0; side < 2; side++) {
-                enum kernel kernel = (enum kernel)k;
-                double all = mollified_strength(&s, kernel, (enum side)side, UP, from, d), sum = 0,
-                       outside = 0;
-                double low = from - 2 * d - 1, width = (4 * d + 2) / STEPS;
-                /* A sum over steps misses at most one at each edge, of a level of at most 1. */
-                double tolerance = 1e-3 * all + 1e-6 + width / d;
-                for (int n = 0; n < STEPS; n++) {
-                    double to = low + (n + 0.5) * width;
-                    double value = of(&s, kernel, (enum side)side, from, to, d) * width;
-                    bool inside = to >= 300 && to <= 830;
-                    sum += inside ? value : 0;
-                    outside += inside ? 0 : value;
-                    if (!inside)
-                        continue;
-                    float pdf = mollified_pdf(&s, kernel, (enum side)side, UP, from, (float)to, d);
-                    assert_float_equal(pdf * all * width, value, 1e-4 * value + 1e-9);
-                    if (n % 800 == 0)
-                        assert_float_equal(mollified_cdf(&s, kernel, (enum side)side, UP, from,
-                                                         (float)(to + 0.5 * width), d) *
-                                               all,
-                                           sum, tolerance);
-                }
-                /* What lies outside of Λ is not always known: beyond it nothing is reflected. It belongs to the strength, and is lost. */
-                assert_float_equal(sum + outside, all, tolerance);
-                assert_float_equal(mollified_cdf(&s, kernel, (enum side)side, UP, from, 900, d) * all, sum,
-                                   tolerance);
-            }
+            for (int side = 0; side < 2; side++)
+                check_integrals(&s, (enum kernel)k, (enum side)side, from, d, 1e-3);
         material_destroy(m);
     }
 }
 
+static void integrals_of_textured_colours_are_nearly_those_of_brute_force(void **state)
+{
+    (void)state;
+    struct kit_random r = seeded(68);
+    for (int i = 0; i < 30; i++) {
+        struct material *m = texturable_material(&r, i);
+        struct surface s = textured_surface(&r, m, i);
+        float d = kit_between(&r, 3, 100), from = i % 5 ? kit_between(&r, 380, 780) : i % 2 ? 305 : 822;
+        for (int k = 0; k < KERNEL_COUNT; k++)
+            for (int side = 0; side < 2; side++)
+                check_integrals(&s, (enum kernel)k, (enum side)side, from, d, i % 3 ? 0.01 : 0.02);
+        material_destroy(m);
+    }
+}
+
+static void check_draws(struct kit_random *r, const struct surface *s, enum kernel kernel, enum side side,
+                        float from, float d, double false_alarm)
+{
+    enum { DRAWS = 8000, BINS = 108, STEPS = 50 };
+    double observed[BINS] = {0}, expected[BINS] = {0}, total = 0;
+    double all = mollified_strength(s, kernel, side, UP, from, d);
+    if (!(all > 0))
+        return;
+    for (int b = 0; b < BINS - 1; b++) {
+        for (int n = 0; n < STEPS; n++)
+            expected[b] += of(s, kernel, side, from, 300 + 530.0 * (b + (n + 0.5) / STEPS) / (BINS - 1), d);
+        expected[b] *= DRAWS / all * 530 / (BINS - 1) / STEPS;
+        total += expected[b];
+    }
+    expected[BINS - 1] = fmax(0, DRAWS - total);
+    for (int n = 0; n < DRAWS; n++) {
+        float lambda, pdf;
+        bool drawn = mollified_sample(s, kernel, side, UP, from, d, kit_uniform(r), &lambda, &pdf);
+        observed[drawn ? (int)fminf(BINS - 2, (lambda - 300) / 530 * (BINS - 1)) : BINS - 1]++;
+    }
+    for (int b = 0; b < BINS; b++)
+        expected[b] += 1e-3; /* rounding of the cdfs */
+    struct chi2 result = chi2_test(observed, expected, BINS, 0);
+    if (result.freedom > 0 && result.p < false_alarm)
+        fail_msg("%s, side %d, from %g, d %g: p = %g", kernel_name(kernel), (int)side, (double)from,
+                 (double)d, result.p);
+}
+
+/* By tables, and in every third case by quadrature. */
 static void draws_follow_the_densities_and_the_rest_is_lost(void **state)
 {
     (void)state;
-    enum { CASES = 8, DRAWS = 8000, BINS = 108 };
+    enum { CASES = 12 };
     struct kit_random r = seeded(64);
     for (int i = 0; i < CASES; i++) {
-        struct material *m = exact_material(&r, i);
-        struct surface s = kit_surface(m, UP, UP);
+        bool textured = i % 3 == 2;
+        struct material *m = textured ? texturable_material(&r, i) : exact_material(&r, i);
+        struct surface s = textured ? textured_surface(&r, m, i / 3) : kit_surface(m, UP, UP);
         float d = kit_between(&r, 10, 60), from = i % 3 ? kit_between(&r, 310, 820) : 310;
         for (int k = 0; k < KERNEL_COUNT; k++)
-            for (int side = 0; side < 2; side++) {
-                double observed[BINS] = {0}, expected[BINS] = {0}, total = 0;
-                for (int b = 0; b < BINS - 1; b++) {
-                    double low = 300 + 530.0 * b / (BINS - 1), high = 300 + 530.0 * (b + 1) / (BINS - 1);
-                    expected[b] =
-                        DRAWS *
-                        (mollified_cdf(&s, (enum kernel)k, (enum side)side, UP, from, (float)high, d) -
-                         mollified_cdf(&s, (enum kernel)k, (enum side)side, UP, from, (float)low, d));
-                    total += expected[b];
-                }
-                expected[BINS - 1] = fmax(0, DRAWS - total);
-                if (!(mollified_strength(&s, (enum kernel)k, (enum side)side, UP, from, d) > 0))
-                    continue;
-                for (int n = 0; n < DRAWS; n++) {
-                    float lambda, pdf;
-                    bool drawn = mollified_sample(&s, (enum kernel)k, (enum side)side, UP, from, d,
-                                                  kit_uniform(&r), &lambda, &pdf);
-                    observed[drawn ? (int)fminf(BINS - 2, (lambda - 300) / 530 * (BINS - 1)) : BINS - 1]++;
-                }
-                for (int b = 0; b < BINS; b++)
-                    expected[b] += 1e-3; /* rounding of the cdfs */
-                struct chi2 result = chi2_test(observed, expected, BINS, 0);
-                if (result.freedom > 0 && result.p < sidak(C_FALSE_ALARM, CASES * KERNEL_COUNT * 2))
-                    fail_msg("%s, side %d, from %g, d %g: p = %g", kernel_name((enum kernel)k), side,
-                             (double)from, (double)d, result.p);
-            }
+            for (int side = 0; side < 2; side++)
+                check_draws(&r, &s, (enum kernel)k, (enum side)side, from, d,
+                            sidak(C_FALSE_ALARM, CASES * KERNEL_COUNT * 2));
         material_destroy(m);
     }
 }
@@ -364,6 +415,7 @@ int main(void)
         cmocka_unit_test(the_box_is_a_filter_in_both_wavelengths),
         cmocka_unit_test(the_levels_are_those_of_the_equations),
         cmocka_unit_test(integrals_in_constant_time_are_those_of_brute_force),
+        cmocka_unit_test(integrals_of_textured_colours_are_nearly_those_of_brute_force),
         cmocka_unit_test(draws_follow_the_densities_and_the_rest_is_lost),
         cmocka_unit_test(all_labels_together_are_the_normalised_bbrrdf),
         cmocka_unit_test(densities_for_weights_average_to_the_elastic_one),
