@@ -127,7 +127,9 @@ class Patch:
             means = (image.mean(axis=(0, 1)) for image in (self.reference, picture))
             self.pictures.append(picture)
             self.measured.append(float(difference(*means, luminance_of(name))))
-            self.noise.append(noise(picture, luminance_of(name)))
+            self.noise.append(
+                float(np.hypot(*(noise(image, luminance_of(name)) for image in (self.reference, picture))))
+            )
 
     def image(self):
         """The reference on the left, the widths from top to bottom on the right."""
@@ -244,7 +246,7 @@ def draw():
 HEAD = [
     "# ΔE2000 of mollified (2,2)-paths from path traced ones: measured / predicted",
     "",
-    "± is what the noise of the pictures does; it adds to small differences.",
+    "± is what the noise of both pictures does; it adds to small differences. All widths of a patch share its reference.",
     "",
     "| figure | patch | %s |" % " | ".join("d = %d nm" % d for d in WIDTHS),
     "|---|---|%s" % ("---|" * len(WIDTHS)),
