@@ -7,6 +7,7 @@ import numpy as np
 import colour
 
 STEP = 0.5
+NOISES, UNSEEN = 4, 0.5  # times its error, and ΔE2000: what a measured difference is off by at most
 KERNELS = ("constant", "asymmetric")  # their names in the stream
 
 
@@ -60,3 +61,14 @@ def colours(nm, first_wall, second_wall, d, kernel="constant"):
 def white(nm):
     """Of the even light."""
     return colour.xyz_of(nm, np.ones_like(nm))
+
+
+def disagreements(figure, widths, patches):
+    """A line for each ΔE2000 that was measured, but not as predicted. Were all noise along one axis of colour, its mean
+    size would be 0.8 of its standard deviation, and 4 times that would be passed once in 700; the rest nobody sees."""
+    return [
+        "%s, %s, d = %g nm: ΔE2000 %.2f ± %.2f, predicted %.2f" % (figure, patch.name, d, found, error, wanted)
+        for patch in patches
+        for d, found, error, wanted in zip(widths, patch.measured, patch.noise, patch.predicted)
+        if not abs(found - wanted) <= NOISES * error + UNSEEN
+    ]

@@ -70,6 +70,7 @@ def scene(name, walls, kernel="constant", close=True, light=None, low=LAMBDA[0])
     return kit.edited(recording, plots.WORK / "bias.stokes", change)
 
 
+@functools.lru_cache(maxsize=None)
 def reference(name, walls):
     """Path traced, paths of four vertices."""
     options = {"integrator": "pt_nee", "techniques": "1,3 0,4", "spp": SAMPLES // 2}
@@ -140,7 +141,10 @@ class Patch:
 
 
 def strip(name, title, walls, kernel):
-    patches = [Patch(patch, walls, kernel) for patch in names()]
+    patches = []
+    for patch in names():
+        kit.say("  %s: %s" % (name, patch))
+        patches.append(Patch(patch, walls, kernel))
     figure, axes = plt.subplots(2, len(patches), figsize=(2.1 * len(patches), 4.6), height_ratios=(1.25, 1))
     bound = 1.15 * max(max(p.predicted + p.measured) for p in patches)
     for (above, below), patch in zip(axes.T, patches):
@@ -215,6 +219,7 @@ def figure_9():
     for panel, kernel in zip(axes, acceptance.KERNELS):
         for d, color in zip(WIDTHS, plt.cm.viridis(np.linspace(0.1, 0.85, 4))):
             panel.plot(NM, acceptance.given_camera(NM, d, LAMBDA, kernel), color=color, label="d = %d nm" % d)
+            kit.say("  figure-09-boundary: %s kernel, d = %d nm" % (kernel, d))
             nm, ratio = measured_shares(kernel, d)
             panel.plot(nm, ratio, "o", color=color, markersize=2.5)
         panel.set_title("%s kernel; dots: rendered" % kernel)
@@ -230,7 +235,7 @@ def figure_9():
 def draw():
     figure_8()
     figure_9()
-    rows = []
+    rows, wrong = [], []
     for number, walls, kernel, what in (
         (10, "back", "constant", "Coloured back wall, the others grey; centred kernel"),
         (11, "back", "asymmetric", "Coloured back wall, the others grey; asymmetric kernel"),
@@ -239,8 +244,10 @@ def draw():
     ):
         patches = strip("figure-%d-bias" % number, "Figure %d. %s" % (number, what), walls, kernel)
         rows += table(number, patches)
+        wrong += acceptance.disagreements("figure %d" % number, WIDTHS, patches)
     (plots.FOLDER / "colour-bias.md").write_text("\n".join(HEAD + rows) + "\n", encoding="utf-8")
     kit.say("  colour-bias.md")
+    return wrong
 
 
 HEAD = [

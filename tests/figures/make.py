@@ -2,11 +2,12 @@
 
 import argparse
 import importlib
+import sys
 import time
 
 import kit
 
-FIGURES = {  # module: what it draws
+FIGURES = {  # module: what it draws; its draw() may return lines that say what in it is not as it should be
     "matrices": "figures 1 to 3: reradiation matrices under each kernel",
     "note": "the measured sticky note",
     "shown_spectra": "figures 4 to 6: the spectra used",
@@ -22,11 +23,13 @@ FIGURES = {  # module: what it draws
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", default=list(FIGURES), help="of %s" % ", ".join(FIGURES))
-    begin = time.monotonic()
+    begin, wrong = time.monotonic(), []
     for name in parser.parse_args().names:
         kit.say("%s (%s)" % (FIGURES[name], name))
-        importlib.import_module(name).draw()
+        wrong += importlib.import_module(name).draw() or []
         kit.say("  %.0f s so far" % (time.monotonic() - begin))
+    if wrong:
+        sys.exit("\n".join(["Drawn, but not what was predicted:", *wrong]))
 
 
 main()

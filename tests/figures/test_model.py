@@ -101,6 +101,18 @@ def test_differences_are_the_published_ones(first, second, wanted):
     assert found == pytest.approx(wanted, abs=5e-5)
 
 
+@pytest.mark.parametrize("off, wrong", [(0, 0), (1.2, 0), (-1.2, 0), (1.4, 1), (-1.4, 1), (float("nan"), 1)])
+def test_figures_10_to_13_fail_if_they_are_not_as_predicted(off, wrong):
+    """Beyond 4 times the noise and half a ΔE; with the very names of the patches and widths that are off."""
+
+    class Patch:
+        name, noise, predicted = "red", [0.2] * 4, [1.0, 2.0, 5.0, 9.0]
+        measured = [1.0, 2.0, 5.0 + off, 9.0]
+
+    found = acceptance.disagreements("figure 12", (10, 20, 50, 100), [Patch])
+    assert len(found) == wrong and all("figure 12, red, d = 50 nm" in line for line in found)
+
+
 @pytest.mark.parametrize("kind, quantum", [("quantum", True), ("energy", False)])
 def test_the_cores_matrix_of_a_dye_is_the_models(tmp_path, kind, quantum):
     """Eq. 2 and what is re-emitted, band by band: the core's export against the model on its grid."""
