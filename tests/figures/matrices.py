@@ -94,35 +94,39 @@ def every_kernel():
     """Beyond the supplemental: all kernels, and the counterexample of eqs. 3 to 6."""
     m = material()
     kernels = list(bispectral.KERNELS.items())
-    figure, axes = plt.subplots(2, 5, figsize=(17, 6.6))
+    figure, axes = plt.subplots(2, 5, figsize=(17, 7), layout="constrained")
     for panel, (label, kernel) in zip(axes[0], kernels):
-        plots.matrix(panel, m.matrix(kernel(m, WIDTH)))
+        image = plots.matrix(panel, m.matrix(kernel(m, WIDTH)))
         panel.set_title(label)
         panel.set_ylabel("leaving wavelength (nm)" if panel is axes[0][0] else "")
+    figure.colorbar(image, ax=axes[0], label="share per nm", fraction=0.02, pad=0.01)
     columns(axes[1][:2], m, kernels)
-    axes[1][0].legend(loc="lower right", fontsize=7)
+    figure.legend(*axes[1][0].get_legend_handles_labels(), loc="outside lower center", ncols=len(kernels))
     example, nm = bispectral.counterexample(), bispectral.GRID
-    for (label, kernel), color in zip(kernels, ("#444444", "#d95f02", "#7570b3", "#1b9e77", "#e7298a")):
+    top = 0
+    for (_, kernel), color in zip(kernels, ("#444444", "#d95f02", "#7570b3", "#1b9e77", "#e7298a")):
         whole = example.matrix(kernel(example, WIDTH))
-        axes[1][2].plot(nm, bispectral.energy(whole), color=color, label=label)
-        axes[1][3].plot(nm, bispectral.photons(whole), color=color)
+        for panel, sums in zip(axes[1][2:4], (bispectral.energy(whole), bispectral.photons(whole))):
+            panel.plot(nm, sums, color=color)
+            top = max(top, sums.max())
     for panel, what in zip(axes[1][2:4], ("energy", "photons")):
         panel.axhline(1, color="black", linewidth=0.8, linestyle=":")
         panel.set_xlim(400, 700)
-        panel.set_ylim(0, 1.6)
+        panel.set_ylim(0, 1.05 * top)
         panel.set_xlabel("incident wavelength (nm)")
         panel.set_ylabel("%s out / in, eqs. 3–5" % what)
     axes[1][2].plot([600], [1.5], "o", color="black", markersize=4)
-    axes[1][2].annotate("eq. 6 at 600 nm: 3/2", (600, 1.5), (420, 1.52), arrowprops={"arrowstyle": "-", "lw": 0.6})
+    axes[1][2].annotate("eq. 6 at 600 nm: 3/2", (600, 1.5), (420, 1.62), arrowprops={"arrowstyle": "-", "lw": 0.6})
     axes[1][4].plot(nm, example.r, color=plots.REFLECTANCE, label="reflectance")
     axes[1][4].plot(nm, example.a, "--", color=plots.ABSORPTION, label="absorption")
-    axes[1][4].plot(nm, example.e / example.e.max(), color=plots.EMISSION, label="emission (of its peak)")
+    axes[1][4].plot(nm, example.e / example.e.max(), color=plots.EMISSION, label="emission, of its peak")
     axes[1][4].set_xlim(400, 700)
     axes[1][4].set_xlabel("wavelength (nm)")
     axes[1][4].set_ylabel("spectra of eqs. 3–5")
-    axes[1][4].legend(loc="center", fontsize=7)
+    axes[1][4].legend(
+        loc="lower center", bbox_to_anchor=(0.5, 1), ncols=3, fontsize=7, handlelength=1.2, columnspacing=1
+    )
     figure.suptitle("Every kernel, d = %g nm" % WIDTH)
-    figure.tight_layout()
     plots.save(figure, "figure-03b-every-kernel")
 
 

@@ -60,7 +60,8 @@ def scene(light):
 
 def draw():
     note = matrix()
-    figure, axes = plt.subplots(1, 4, figsize=(17, 3.9), width_ratios=(1.15, 1, 1.25, 1.25))
+    figure, axes = plt.subplots(2, 2, figsize=(10.5, 8), layout="constrained")
+    axes = axes.flat
     density = note.share / note.step
     low, high = note.incident[[0, -1]] + [-note.step / 2, note.step / 2]
     image = axes[0].imshow(
@@ -92,5 +93,4 @@ def draw():
     for panel, (title, light) in zip(axes[2:], LIGHTS.items()):
         xyz = kit.picture_of(scene(light), plots.WORK / "note.exr", integrator="bdpt", spp=SAMPLES)
         plots.picture(panel, xyz, colour.exposure(xyz, 97), title)
-    figure.tight_layout()
     plots.save(figure, "figure-01b-measured-note")
