@@ -139,7 +139,7 @@ static void gather_point(const struct integrator *it, struct worker *w, const st
     if (brightest >= 0 && !camera_sees_light(&w->camera)) {
         struct full_path path;
         whole_path(w, seen, strand, pdf_point, geometry, fwd[brightest], brightest, &path);
-        trial_add(w->trial, it, &path, brightness, NULL);
+        trial_add(w->trial, it, &path, trial_see(w->trial, brightness, NULL));
     }
 }
 

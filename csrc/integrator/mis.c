@@ -151,5 +151,5 @@ bool mis_shares(const struct integrator *it, const struct full_path *path, doubl
     }
     for (int kind = 0; kind < TECHNIQUE_KINDS; kind++)
         share[kind] /= sum;
-    return sum > 0;
+    return sum > 0 && isfinite(sum);
 }

@@ -46,7 +46,7 @@ double mis_weight(const struct integrator *, const struct full_path *);
 void mis_weigh_plainly(const struct integrator *, const struct worker *, const struct joint *,
                        double weight[LANES_MAX]);
 
-/* How much of the sum of all densities each kind of technique has. False if there is none. */
+/* How much of the sum of all densities each kind of technique has. False if there is none, or no end of it. */
 bool mis_shares(const struct integrator *, const struct full_path *, double share[TECHNIQUE_KINDS]);
 
 /* Density of one cut over a factor common to all of them. */

@@ -9,9 +9,10 @@
 #include "base/thread.h"
 
 enum { STAGES = 2, LOOKS = 2, PIXELS_MIN = 16, SAMPLES = 8 };
-static const int stage_pixels[STAGES] = {256, 4096};
-/* Samples that the frame has had for each one of a stage: with the stage before, looks cost a twentieth. */
-static const double samples_before = 30;
+static const int stage_pixels[STAGES] = {128, 1024};
+/* Samples that the frame has had for each one of a stage. One of a look is as dear as 1.5 with one light sub-path, and as five with 1/16: so looks cost a
+   twentieth. */
+static const double samples_before = 100;
 static const uint32_t pilot_seed = 0x70696c6f;
 /* Of the loss, variance × work, with one light sub-path: less is not worth what a look may have missed. */
 static const double worth = 0.85;
@@ -85,11 +86,13 @@ static void sum_up(const struct looking *l, struct look *sum)
     }
 }
 
-bool pilot_look(struct integrator *it, int pixels, bool (*stop)(void *), void *user, struct look *look)
+bool pilot_look(struct integrator *it, int pixels, bool weighs, bool (*stop)(void *), void *user,
+                struct look *look)
 {
     struct looking l = {.it = it, .stop = stop, .user = user, .pixels = pixels};
     /* Of the whole frame, so that a part of it is rendered as the whole is. */
     int border[4], frame[4] = {0, 0, it->full[0], it->full[1]};
+    double light_paths = it->light_paths, typical = it->typical;
     l.seen = calloc((size_t)pixels, sizeof *l.seen);
     if (!l.seen)
         return false;
@@ -98,16 +101,17 @@ bool pilot_look(struct integrator *it, int pixels, bool (*stop)(void *), void *u
     overview_begin(&l.overview, it->full);
     it->light_paths = 1;
     it->typical = 0;
-    /* Twice: the first look tells what is typical, here and there. */
+    /* The first time tells what is typical, here and there. */
     bool done = look_once(&l);
-    if (done) {
-        it->typical = overview_settle(&l.overview, (double)pixels * SAMPLES);
-        l.weighs = true;
-        done = look_once(&l);
-    }
     if (done)
-        sum_up(&l, look);
+        typical = it->typical = overview_settle(&l.overview, (double)pixels * SAMPLES);
+    l.weighs = weighs;
+    if (done && weighs)
+        done = look_once(&l);
+    sum_up(&l, look);
     memcpy(it->border, border, sizeof border);
+    it->light_paths = light_paths;
+    it->typical = typical;
     free(l.seen);
     return done;
 }
@@ -118,15 +122,16 @@ static double loss(const struct look *look, int k)
 {
     double n = trial_number(k),
            work = look->work[BY_CAMERA] + fmin(n, 1) * look->work[BY_CONNECTIONS] + n * look->work[BY_SPLATS];
-    return fmax(look->variance[k], 0) * work;
+    return look->variance[k] * work;
 }
 
-/* The number of light sub-paths with the least loss, if it is worth it. */
+/* The number of light sub-paths with the least loss, if it is worth it. What has no variance, by its noise, tells nothing. */
 static double choose(const struct look *look)
 {
     int best = NUMBER_ONE;
+    double enough = worth * loss(look, NUMBER_ONE);
     for (int k = 0; k < NUMBERS; k++)
-        if (loss(look, k) < fmin(loss(look, best), worth * loss(look, NUMBER_ONE)))
+        if (look->variance[k] > 0 && loss(look, k) < fmin(loss(look, best), enough))
             best = k;
     return trial_number(best);
 }
@@ -143,12 +148,17 @@ static int count_pixels(const struct integrator *it, int stage)
     return (int)fmin(fmax(PIXELS_MIN, area(it) / 4), stage_pixels[stage]);
 }
 
+static bool chooses(const struct integrator *it)
+{
+    return !(it->settings.light_paths > 0);
+}
+
 /* The sample before which a stage comes. Never the first, so that there is a picture at once. */
 static int stage_begins(const struct integrator *it, int stage)
 {
     double samples = (double)LOOKS * SAMPLES * count_pixels(it, stage);
-    bool chooses = it->exact && !(it->settings.light_paths > 0) && it->traces_light && it->traces_camera;
-    return chooses ? (int)fmax(1, ceil(samples_before * samples / area(it))) : INT_MAX;
+    bool looks = it->exact && it->traces_camera && it->traces_light && it->splats;
+    return looks ? (int)fmax(1, ceil(samples_before * samples / area(it))) : INT_MAX;
 }
 
 int integrator_next_look(const struct integrator *it, int sample)
@@ -166,15 +176,15 @@ void integrator_look(struct integrator *it, int sample, bool (*stop)(void *), vo
     int stages = 0;
     while (stages < STAGES && stage_begins(it, stages) <= sample)
         stages++;
-    if (it->looked >= stages)
+    if (it->looked >= stages || !pilot_look(it, count_pixels(it, stages - 1), chooses(it), stop, user, &look))
         return;
     it->looked = stages;
-    if (pilot_look(it, count_pixels(it, stages - 1), stop, user, &look))
+    if (chooses(it))
         it->light_paths = choose(&look);
 }
 
 double integrator_light_paths(const struct integrator *it, int *from)
 {
-    *from = it->looked > 0 ? stage_begins(it, it->looked - 1) : 0;
+    *from = chooses(it) && it->looked > 0 ? stage_begins(it, it->looked - 1) : 0;
     return it->traces_light ? it->light_paths : 0;
 }

@@ -9,8 +9,9 @@ struct look {
     double variance[NUMBERS], work[TECHNIQUE_KINDS];
 };
 
-/* Looks at about so many pixels of the whole frame, with one light sub-path a sample, and sets `typical`. False if it was stopped or
-   there is no memory. */
-bool pilot_look(struct integrator *, int pixels, bool (*stop)(void *user), void *user, struct look *);
+/* Looks at so many pixels of the whole frame, with one light sub-path a sample, and sets `typical`; a second time if it `weighs`, for the variance. False if
+   it was stopped or there is no memory. */
+bool pilot_look(struct integrator *, int pixels, bool weighs, bool (*stop)(void *user), void *user,
+                struct look *);
 
 #endif

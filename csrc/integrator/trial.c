@@ -10,6 +10,7 @@
 
 /* --- The overview -------------------------------------------------------------------------------------------- */
 
+/* Light counts in steps of 6e-8, and one contribution for 6e4 at most. */
 static const double unit = 1 << 24, most = 1e12;
 
 void overview_begin(struct overview *o, const int full[2])
@@ -60,11 +61,13 @@ int trial_brightest(const struct integrator *it, int lanes, const double value[]
     *light = 0;
     for (int i = 0; i < lanes; i++) {
         double here = value[i] * roulette_color(it, lambda_film[i]);
+        if (!(here > 0) || !isfinite(here))
+            continue;
         if (here > most) {
             most = here;
             brightest = i;
         }
-        *light += fmax(here, 0);
+        *light += here;
     }
     return brightest;
 }
@@ -81,16 +84,21 @@ static double products(const struct pixel_sums *sums, int k)
     return sums->sum[k] * sums->sum[k] - sums->squares[k];
 }
 
-void trial_add(struct trial *trial, const struct integrator *it, const struct full_path *brightest,
-               double light, const int splat[2])
+double trial_see(struct trial *trial, double light, const int splat[2])
 {
     const int *pixel = splat ? splat : trial->pixel;
-    enum technique_kind kind = technique_kind(brightest->cut, brightest->edges + 1 - brightest->cut);
     struct overview *o = trial->overview;
     int cell = cell_of(o, pixel[0], pixel[1]);
-    double share[TECHNIQUE_KINDS], now = light * o->scale[cell];
     atomic_fetch_add_explicit(&o->light[cell], llrint(fmin(light * unit, most)), memory_order_relaxed);
-    if (!trial->weighs || !mis_shares(it, brightest, share))
+    return trial->weighs ? light * o->scale[cell] : 0;
+}
+
+void trial_add(struct trial *trial, const struct integrator *it, const struct full_path *brightest,
+               double now)
+{
+    enum technique_kind kind = technique_kind(brightest->cut, brightest->edges + 1 - brightest->cut);
+    double share[TECHNIQUE_KINDS];
+    if (!mis_shares(it, brightest, share))
         return;
     for (int k = 0; k < NUMBERS; k++) {
         double n = trial_number(k);
@@ -108,9 +116,12 @@ void trial_add_joint(const struct integrator *it, const struct worker *w, const 
     int brightest = trial_brightest(it, joint->lanes, value, lambda_film, &light);
     if (brightest < 0 || joint->s + joint->t == 2)
         return;
-    struct full_path path;
-    full_path_of_joint(it, w, joint, brightest, &path);
-    trial_add(w->trial, it, &path, light, splat);
+    double now = trial_see(w->trial, light, splat);
+    if (now > 0) {
+        struct full_path path;
+        full_path_of_joint(it, w, joint, brightest, &path);
+        trial_add(w->trial, it, &path, now);
+    }
 }
 
 void trial_count(struct worker *w, const struct joint *joint)

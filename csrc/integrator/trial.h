@@ -42,11 +42,13 @@ struct trial {
 int trial_brightest(const struct integrator *, int lanes, const double value[], const float lambda_film[],
                     double *light);
 
-/* A contribution of so much light by all its lanes, into the pixel `splat` if that is not the samples' own. The brightest lane tells whose it
-   is. */
-void trial_add(struct trial *, const struct integrator *, const struct full_path *brightest, double light,
-               const int splat[2]);
-/* The same of a connection of worker->trial's samples, from its weighted values; but for the light itself, seen by the camera. */
+/* A contribution of so much light by all its lanes, into the pixel `splat` if that is not the samples' own: enters the overview. What it counts for, 0
+   where the overview alone is of interest. */
+double trial_see(struct trial *, double light, const int splat[2]);
+/* The rest of it; the brightest lane tells whose it is. */
+void trial_add(struct trial *, const struct integrator *, const struct full_path *brightest, double counts);
+
+/* Both, of a connection of worker->trial's samples, from its weighted values; but for the light itself, seen by the camera. */
 struct joint;
 void trial_add_joint(const struct integrator *, const struct worker *, const struct joint *,
                      const double value[], const float lambda_film[], const int splat[2]);

@@ -102,12 +102,16 @@ class Result:
 
     def __init__(self, method, counts, scene, out):
         self.method, self.counts = method, counts
-        self.options, self.light_paths = dict(method.options), ""
+        self.light_paths, self.first = "", 0
         if method.integrator == "bdpt":
-            self.options["light_paths"] = kit.light_paths(scene, out, method.lanes or 1)
-            self.light_paths = " L=%g" % self.options["light_paths"]
+            self.light_paths = " L=%g" % kit.light_paths(scene, out, method.lanes or 1)
+            self.first = kit.LATE
         self.errors, self.means, self.costs = [], [], []
         self.picture = None
+
+    def options(self, count, seed):
+        """Of so many samples."""
+        return dict(self.method.options, seed=seed, samples="%d:%d" % (self.first, self.first + count))
 
     def cost(self):
         """Processor seconds of a sample."""
@@ -142,9 +146,8 @@ def measure_scene(name, found, size, folder, progress):
     for seed in range(seeds):
         for result in results:
             progress("seed %d of %d, %s" % (seed + 1, seeds, result.method.label()))
-            options = dict(result.options, seed=seed + 1)
-            start = kit.render(scene, out, spp=1, **options)
-            whole = kit.render(scene, out, snapshots=True, spp=samples, **options)
+            start = kit.render(scene, out, **result.options(1, seed + 1))
+            whole = kit.render(scene, out, snapshots=True, **result.options(samples, seed + 1))
             result.costs.append(max(whole - start, 1e-9) / (pixels * (samples - 1)))
             shots = [kit.read_xyz(kit.snapshot(out, count)) for count in counts]
             result.errors.append([reference.errors(shot) for shot in shots])
@@ -159,7 +162,7 @@ def equal_time(scene, results, samples, out, progress):
     for result in results:
         progress("at equal time, %s" % result.method.label())
         result.spp = max(1, round(budget / result.cost()))
-        result.picture = kit.picture_of(scene, out, spp=result.spp, seed=77, **result.options)
+        result.picture = kit.picture_of(scene, out, **result.options(result.spp, 77))
 
 
 # --- What it says ------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Variance times cost of integrators in one scene, seed against seed: minutes less than bench_exact.py, and blind to bias.
 
 variance.py SCENE OPTIONS [OPTIONS …]: `variance.py box "-i pt_nee" "-i bdpt --lanes 4"`, in a scene of bench_scenes.py or a .stokes file.
-`bdpt` has as many light sub-paths as it would after a while in a larger picture, unless they are given."""
+`bdpt` is measured behind its looks at the scene, as it would be after a while in a larger picture."""
 
 import pathlib
 import sys
@@ -20,13 +20,17 @@ BRIGHT = 4  # times the median's mean: a lamp, whose noise would be all there is
 
 def pictures(scene, options):
     """[seed, row, column, XYZ], and processor time in µs a sample."""
-    begin = kit.cpu_seconds()
-    made = []
+    first = kit.LATE if "bdpt" in options else 0
+    made, seconds = [], 0
     for seed in range(1, SEEDS + 1):
-        kit.stokes("render", scene, "-o", FOLDER / "variance.exr", "-q", "--spp", SAMPLES, "--seed", seed, "-t", 1, *options)
+        for count in (1, SAMPLES):  # the first is start-up, and looks
+            begin = kit.cpu_seconds()
+            words = ["--samples", "%d:%d" % (first, first + count), "--seed", seed, "-t", 1, *options]
+            kit.stokes("render", scene, "-o", FOLDER / "variance.exr", "-q", *words)
+            seconds += (kit.cpu_seconds() - begin) * (1 if count > 1 else -1)
         made.append(kit.read_xyz(FOLDER / "variance.exr"))
     made = np.array(made)
-    return made, 1e6 * (kit.cpu_seconds() - begin) / (SEEDS * SAMPLES * made[0, ..., 0].size)
+    return made, 1e6 * seconds / (SEEDS * (SAMPLES - 1) * made[0, ..., 0].size)
 
 
 def measure(scene, options):
@@ -39,19 +43,11 @@ def measure(scene, options):
     return cost, scale * y.var(axis=0, ddof=1)[kept].mean(), scale * chroma.var(axis=0, ddof=1)[kept].sum(axis=-1).mean()
 
 
-def settled(scene, words):
-    """The options with the number of light sub-paths that `bdpt` finds to pay, unless they have one."""
-    if "bdpt" not in words or "--light-paths" in words:
-        return words
-    lanes = words[words.index("--lanes") + 1] if "--lanes" in words else 1
-    return [*words, "--light-paths", kit.light_paths(scene, FOLDER / "variance.exr", lanes)]
-
-
 def main(name, *configurations):
     FOLDER.mkdir(parents=True, exist_ok=True)
     scene = name if name.endswith(".stokes") else bench_scenes.write(name, FOLDER, RESOLUTION)
     for options in configurations:
-        cost, luminance, chroma = measure(scene, settled(scene, options.split()))
+        cost, luminance, chroma = measure(scene, options.split())
         kit.say(
             "%-44s %6.2f µs, variance of Y %.4g, of chroma %.4g; times cost %.4g and %.4g"
             % (options, cost, luminance, chroma, cost * luminance, cost * chroma)
