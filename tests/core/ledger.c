@@ -27,7 +27,6 @@ enum {
 /* What technique (path length, cut) gave itself, and what its density claims of everybody's samples. */
 struct ledger {
     const struct integrator *it;
-    bool volumes;
     double delivered[CELLS], claimed[CELLS];
     double worst_weight; /* distance from the plain products */
 };
@@ -78,7 +77,7 @@ static int class_in_volumes(const struct full_path *path)
 static int cell(const struct ledger *ledger, const struct full_path *path, int cut)
 {
     return (path->edges * CUTS + cut) * CLASSES +
-           (ledger->volumes ? class_in_volumes(path) : class_of(ledger->it, path, cut));
+           (ledger->it->has_volumes ? class_in_volumes(path) : class_of(ledger->it, path, cut));
 }
 
 static void enter(void *observer, const struct full_path *path, double value)
@@ -167,7 +166,7 @@ void techniques_deliver_what_they_claim(void **state)
     it->observe = enter;
     double worst_weight = 0;
     for (int batch = 0; batch < BATCHES; batch++) {
-        struct ledger ledger = {.it = it, .volumes = subject->place};
+        struct ledger ledger = {.it = it};
         it->observer = &ledger;
         for (int sample = 0; sample < subject->samples; sample++)
             for (int pixel = 0; pixel < PIXELS * PIXELS; pixel++)

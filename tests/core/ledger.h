@@ -16,7 +16,7 @@ struct subject {
     int edges, samples;
     enum kernel kernel;
     bool shared;                                      /* in a grey box, one wavelength for both sub-paths */
-    struct scene *(*place)(struct range, int pixels); /* with volumes; NULL: a box of boxes.h */
+    struct scene *(*place)(struct range, int pixels); /* NULL: a box of boxes.h */
     double sees_error;                                /* of a path length's whole light; 0: 0.025 */
     double light_paths;                               /* of a sample; 0: 1 */
     double half_width_nm;                             /* of the kernel; 0: 4 */
