@@ -79,6 +79,7 @@ int main(void)
         mbdpt_glass = {.name = "mbdpt", .lanes = 4, .lenses = true, .edges = 5, .samples = 72},
         bdpt = {.name = "bdpt", .lanes = 1, .edges = 5, .samples = 16},
         bdpt_4 = {.name = "bdpt", .lanes = 4, .edges = 5, .samples = 20},
+        bdpt_8 = {.name = "bdpt", .lanes = 8, .edges = 5, .samples = 12},
         bdpt_glass = {.name = "bdpt", .lanes = 1, .lenses = true, .edges = 7, .samples = 64},
         bdpt_4_glass = {.name = "bdpt", .lanes = 4, .lenses = true, .edges = 7, .samples = 64},
         bdpt_4_few =
@@ -102,6 +103,7 @@ int main(void)
                                        TEST_OF(mbdpt_glass),
                                        TEST_OF(bdpt),
                                        TEST_OF(bdpt_4),
+                                       TEST_OF(bdpt_8),
                                        TEST_OF(bdpt_glass),
                                        TEST_OF(bdpt_4_glass),
                                        TEST_OF(bdpt_4_few),
