@@ -114,8 +114,11 @@ def claims(shown):
 
 def draw():
     scene = bench_scenes.write("lens", plots.WORK, RESOLUTION)
-    reference = bench_exact.Reference(scene, REFERENCE, plots.WORK / "reference")
-    shown = {title: Column(scene, flags, options, reference) for title, (flags, options) in columns().items()}
+    kit.say("  lens: reference")
+    reference, shown = bench_exact.Reference(scene, REFERENCE, plots.WORK / "reference"), {}
+    for title, (flags, options) in columns().items():
+        kit.say("  lens: %s" % title.replace("$", ""))
+        shown[title] = Column(scene, flags, options, reference)
     pictures(shown, reference)
     errors(shown)
     lines = claims(shown)
