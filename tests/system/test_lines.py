@@ -10,8 +10,8 @@ import stats
 BINS = (106, 300, 830)
 GROUPS = {"365 nm": (360, 370), "dye": (500, 580), "589 nm": (585, 595)}
 RENDERS = 32
-# Of 16 × 16 pixels. mbdpt's kernel has to be narrow beside the lines.
-SAMPLES = {"pt": 128, "pt_nee": 32, "lt": 40, "mbdpt": 16, "bdpt": 12}
+# Of 16 × 16 pixels, by integrator and lanes. mbdpt's kernel has to be narrow beside the lines.
+SAMPLES = {("pt", 1): 128, ("pt_nee", 1): 32, ("pt_nee", 4): 20, ("lt", 1): 40, ("mbdpt", 1): 16, ("bdpt", 1): 12, ("bdpt", 4): 8}
 SEES = (0.12, 0.08, 0.14)
 SETTINGS = {"d0": 0.25, "shrink": 0, "max_path": 16, "roulette_start": 3}
 
@@ -40,10 +40,10 @@ def measure(picture):
     return np.array(grouped(picture.bins()[1].mean(axis=(1, 2), dtype=np.float64)))
 
 
-@pytest.mark.parametrize("integrator", SAMPLES)
-def test_lines_are_found_by_every_integrator(core, tmp_path, integrator):
+@pytest.mark.parametrize("integrator, lanes", SAMPLES)
+def test_lines_are_found_by_every_integrator(core, tmp_path, integrator, lanes):
     path = tmp_path / "sphere.stokes"
     radiance = scenes.sphere_with_patch(path, scenes.MATERIALS["fluorescent"], Lines(), **SETTINGS)
     wanted = np.array(grouped(exact.per_bin(radiance, BINS)))
-    found = core.batches(path, integrator, RENDERS, SAMPLES[integrator], BINS, measure)
-    stats.assert_unbiased(integrator, found, wanted, SEES, names=list(GROUPS))
+    found = core.batches(path, integrator, RENDERS, SAMPLES[integrator, lanes], BINS, measure, lanes=lanes)
+    stats.assert_unbiased("%s, %d lanes" % (integrator, lanes), found, wanted, SEES, names=list(GROUPS))
