@@ -327,9 +327,9 @@ def turned(positions, angle):
 
 
 def glass_box(path, where, resolution=(32, 32), lamp=0.3, looks_down=False, light=LIGHTS["d65"], **settings):
-    """A box with a fluorescent back wall and one piece of strongly dispersive glass: a block that stands before the wall and reflects
-    totally from within ("block"), a ball about the lamp ("lamp"), or one about the camera ("camera"). `lamp` is the lamp's radius; a camera that looks down sees the floor
-    alone."""
+    """A box with a fluorescent back wall and strongly dispersive glass: a block that stands before the wall and reflects totally from within
+    ("block"), a ball about the lamp ("lamp"), one about the camera ("camera"), or smaller ones about each ("both"). `lamp` is the lamp's radius; a camera that
+    looks down sees the floor alone."""
     message, _ = emission(light, 10)
     grey = exact.Material(exact.Table([300, 830], [0.4, 0.4]))
     with stream.Recorder(path) as out:
@@ -342,15 +342,20 @@ def glass_box(path, where, resolution=(32, 32), lamp=0.3, looks_down=False, ligh
         back = positions[triangles].mean(axis=1)[:, 1] > 0.9
         mesh(out, "box", positions, triangles, back)
         instance(out, "box", ["grey", "paint"])
+        glass = {}
         if where == "block":
             positions, triangles = cube(0.4)
-            mesh(out, "glass", turned(positions, 0.5) + [0.1, 0.2, -0.5], triangles[:, ::-1])
-        else:
-            mesh(out, "glass", *(ball(3, 0.5, (0, 0.1, 0.3)) if where == "lamp" else ball(3, 0.3, (0.05, -0.5, 0))))
-        instance(out, "glass", ["glass"])
+            glass["block"] = turned(positions, 0.5) + [0.1, 0.2, -0.5], triangles[:, ::-1]
+        if where in ("lamp", "both"):
+            glass["bulb"] = ball(3, 0.5 if where == "lamp" else 0.4, (0, 0.1, 0.3))
+        if where in ("camera", "both"):
+            glass["lens"] = ball(3, 0.3 if where == "camera" else 0.25, (0.05, -0.5, 0))
+        for name, piece in glass.items():
+            mesh(out, name, *piece)
+            instance(out, name, ["glass"])
         mesh(out, "lamp", *ball(2, lamp, (0, 0.1, 0.3)))
         instance(out, "lamp", ["lamp"])
-        ahead = [1, 0, 0, 0, 0, 0, -1, -0.5 if where == "camera" else -0.95, 0, 1, 0, 0]
+        ahead = [1, 0, 0, 0, 0, 0, -1, -0.5 if where in ("camera", "both") else -0.95, 0, 1, 0, 0]
         camera(out, [1, 0, 0, 0, 0, 1, 0, -0.6, 0, 0, 1, -0.4] if looks_down else ahead, resolution, 0.75)
         out.send("render", samples=[0, 16])
 

@@ -119,8 +119,11 @@ def in_glass(core, tmp_path_factory):
     return get
 
 
-@pytest.mark.parametrize("where", ["block", "lamp", "camera"])
-@pytest.mark.parametrize("integrator, lanes", [("mbdpt", 1), ("bdpt", 1), ("bdpt", 4)])
+@pytest.mark.parametrize(
+    "where, integrator, lanes",
+    [(where, *how) for where in ("block", "lamp", "camera") for how in (("mbdpt", 1), ("bdpt", 1), ("bdpt", 4))]
+    + [("both", "bdpt", 4)],
+)
 def test_integrator_agrees_with_path_tracing_about_glass(core, in_glass, where, integrator, lanes):
     path, wanted = in_glass(where)
     samples = GLASS_SAMPLES[integrator] // (2 if lanes > 1 else 1)
