@@ -112,7 +112,8 @@ def in_glass(core, tmp_path_factory):
     def get(where):
         if where not in made:
             path = tmp_path_factory.mktemp("glass") / "box.stokes"
-            scenes.glass_box(path, where, **KERNEL)
+            # With glass at both ends, a lamp so small that paths which meet it by themselves leave something to the connections in between.
+            scenes.glass_box(path, where, lamp=0.2 if where == "both" else 0.3, **KERNEL)
             made[where] = path, core.batches(path, "pt", BATCHES, GLASS_SAMPLES["pt"], BINS, measure)
         return made[where]
 
@@ -126,7 +127,7 @@ def in_glass(core, tmp_path_factory):
 )
 def test_integrator_agrees_with_path_tracing_about_glass(core, in_glass, where, integrator, lanes):
     path, wanted = in_glass(where)
-    samples = GLASS_SAMPLES[integrator] // (2 if lanes > 1 else 1)
+    samples = GLASS_SAMPLES[integrator] // (2 if lanes > 1 and where != "both" else 1)
     found = core.batches(path, integrator, BATCHES, samples, BINS, measure, first_seed=1000, lanes=lanes)
     names, sees = names_and_promises((32, 32))
     # A few bright caustic samples rule the last bin of 50 nm, where Y is next to nothing.
