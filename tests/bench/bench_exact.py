@@ -225,7 +225,7 @@ better than it. Luminance is Y; chroma is (X/Xn − Y, Z/Zn − Y). ± is one st
 light or more is missing. `lt` leaves out what the camera sees in mirrors and glass. Pixels that show a lamp, directly
 or in a mirror, do not count: every integrator but `lt` gets them in the same way, and they are so bright that their
 noise would be all of the error. `bdpt` has as many light sub-paths a sample, L, as it finds to pay in this scene; a
-picture of 512 × 512 pixels has them from its third sample on.
+picture of 512 × 512 pixels has them from its eighth sample on.
 %s
 """
 
