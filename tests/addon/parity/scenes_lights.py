@@ -14,7 +14,7 @@ def point_hard():
     light('POINT', 150, shadow_soft_size=0.0)
 
 
-@scene(samples=(96, 768), run="every")
+@scene(samples=(96, 1152), run="every")
 def point_soft():
     still_life()
     light('POINT', 150, shadow_soft_size=0.25)
