@@ -1,7 +1,9 @@
 """The pictures that parity scenes look at, made by arithmetic and read back from files, as an artist's are."""
 
+import atexit
 import math
 import os
+import shutil
 import struct
 import tempfile
 from array import array
@@ -9,6 +11,7 @@ from array import array
 from stage import bpy
 
 FOLDER = tempfile.mkdtemp(prefix="stokes-parity-")
+atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
 
 
 def sky(sun=150.0):
